@@ -9,7 +9,7 @@ use crate::mission;
 use crate::path::lean_note;
 use crate::spec::{Document, MissionSpec, Survey, Vehicle};
 use crate::verify;
-use crate::world::{self, World};
+use crate::world::{self, Stations, World};
 
 /// Zones of one file that are listed.
 const MAX_LISTED: usize = 20;
@@ -21,14 +21,10 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         Document::Mission(file) => {
             let world = world::load(&file)?;
             let spec = &file.spec;
-            for vehicle in &spec.vehicles {
-                let leans = lean_note(spec, vehicle, vehicle.speeds().most);
-                for text in leans.iter().chain(&vehicle.landing_note()) {
-                    note(&format!("warning: {text}"));
-                }
-            }
             warn(spec, &world);
-            needs = fences(spec);
+            let fleet = spec.vehicles.iter().zip(&world.stations);
+            needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
+            needs.extend(fences(spec));
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
             surveys.clone_from(&file.surveys);
             ("", vehicles, threats, spec.no_fly.len())
@@ -63,13 +59,27 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Warns of places far outside of the area and of values that look like another unit.
+/// Warns of speeds that need more lean than a stock vehicle has, of landings with the wind, of places
+/// far outside of the area, and of values that look like another unit.
 pub(super) fn warn(spec: &MissionSpec, world: &World) {
-    let mut texts = verify::distant_from_area(spec, &[]);
+    let fleet = spec.vehicles.iter().zip(&world.stations);
+    let mut texts: Vec<String> = fleet
+        .flat_map(|(vehicle, of)| {
+            let lean = lean_note(spec, vehicle, vehicle.speeds().most);
+            lean.into_iter().chain(vehicle.landing_note(of.landing_rad))
+        })
+        .collect();
+    texts.extend(verify::distant_from_area(spec, &[]));
     texts.extend(world::unit_warnings(spec, world));
     for text in texts {
         note(&format!("warning: {text}"));
     }
+}
+
+/// The course of a landing that was found.
+fn landing_course(vehicle: &Vehicle, stations: &Stations) -> Option<String> {
+    let note = mission::landing_course_note(vehicle, stations)?;
+    Some(format!("  {}: {note}", vehicle.id))
 }
 
 /// What the fence of a spec needs, and what each kind of vehicle keeps.

@@ -13,6 +13,7 @@ pub use accept::differences::read_differently;
 pub use accept::{AcceptanceProblem, List, problems, problems_in_flight};
 pub use build::encode::home_at;
 pub use build::fence::{FENCE_REACH_S, fence_needs, fence_pieces};
+pub use build::wing::landing_course_note;
 pub use build::{MissionError, build, build_course};
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use params::{

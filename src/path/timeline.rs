@@ -414,6 +414,7 @@ mod tests {
             start: at(0.0, 180.0),
             goal: at(1000.0, 200.0),
             landing: at(1000.0, 200.0).at,
+            landing_rad: None,
             goal_ground: Amsl(120.0),
             stops: Vec::new(),
         }

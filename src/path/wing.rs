@@ -72,11 +72,16 @@ pub struct Approach {
     pub heading_rad: f64,
 }
 
-/// The approach to a landing at `touchdown`, on the ground, from the height `from`; none
+/// The approach on a course to a landing at `touchdown`, on the ground, from the height `from`; none
 /// for a copter, for a vtol that may come from anywhere, and for who loiters.
 #[must_use]
-pub(super) fn approach(vehicle: &Vehicle, touchdown: PlanPoint, from: Amsl) -> Option<Approach> {
-    let heading_rad = vehicle.wing?.landing?.heading_rad;
+pub(super) fn approach(
+    vehicle: &Vehicle,
+    heading_rad: Option<f64>,
+    touchdown: PlanPoint,
+    from: Amsl,
+) -> Option<Approach> {
+    let heading_rad = heading_rad?;
     let lengths = vehicle.approach_lengths(from.0 - touchdown.amsl.0)?;
     let before = |distance_m: f64| PlanPoint {
         at: along(touchdown.at, heading_rad, -distance_m),
@@ -103,7 +108,10 @@ pub fn landing(vehicle: &Vehicle, stations: &Stations) -> (PlanPoint, Option<App
             (touchdown, stations.goal.amsl)
         }
     };
-    (touchdown, approach(vehicle, touchdown, from))
+    (
+        touchdown,
+        approach(vehicle, stations.landing_rad, touchdown, from),
+    )
 }
 
 /// Where the way home of a vehicle that returns ends: over home at the height of the
@@ -114,8 +122,8 @@ pub fn homeward_end(vehicle: &Vehicle, stations: &Stations) -> PlanPoint {
         at: stations.home.at,
         amsl: stations.start.amsl,
     };
-    approach(vehicle, stations.home, stations.start.amsl)
-        .map_or(over_home, |approach| approach.gate)
+    let (home, from) = (stations.home, stations.start.amsl);
+    approach(vehicle, stations.landing_rad, home, from).map_or(over_home, |approach| approach.gate)
 }
 
 /// Corners of the way from a place to another with turns that the vehicle can fly; a

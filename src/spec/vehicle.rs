@@ -155,7 +155,8 @@ pub struct Wing {
     /// Course of the takeoff run and climb, radians clockwise from north. Every plane has
     /// one; a vtol without one leaves its vertical climb in whichever direction is best.
     pub takeoff_heading_rad: Option<f64>,
-    /// Every plane that lands has one; a vtol without one lands from whichever direction it comes.
+    /// Every plane that lands has one; a vtol without one lands from whichever direction it comes. In
+    /// version 2 a vtol that lands in wind has one.
     pub landing: Option<Landing>,
     /// Radius of circling, metres, not below the turn radius.
     pub loiter_radius_m: f64,
@@ -168,8 +169,9 @@ pub struct Wing {
 /// The straight approach to a landing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
-    /// Course of the approach, radians clockwise from north.
-    pub heading_rad: f64,
+    /// Course of the approach, radians clockwise from north; none: into the wind, or the nearest to it
+    /// that is free ([`crate::world::Stations::landing_rad`]).
+    pub heading_rad: Option<f64>,
     /// Angle of a plane's glide, radians, positive.
     pub glide_rad: f64,
 }
@@ -297,6 +299,15 @@ impl Vehicle {
     #[must_use]
     pub fn carried_by(&self) -> Option<Wind> {
         self.wing?.wind.filter(|wind| wind.speed_mps > 0.0)
+    }
+
+    /// The wind into which it lands on a course that the spec leaves open; none where there is no such
+    /// course to find.
+    #[must_use]
+    pub fn approach_wind(&self) -> Option<Wind> {
+        let landing = self.wing?.landing?;
+        let is_open = landing.heading_rad.is_none() && self.finish != Finish::Loiter;
+        self.carried_by().filter(|_| is_open)
     }
 
     /// How long the approach from a height above touchdown is; none for a copter, and for a

@@ -176,10 +176,6 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         let height_m = scenario.surface.height_m(at) as f32;
         height_m
     };
-    let on_ground = |at: EastNorth| PlanPoint {
-        at,
-        amsl: Amsl(scenario.surface.height_m(at)),
-    };
     World {
         tasks: Vec::new(),
         frame,
@@ -201,20 +197,29 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         min_agl: scenario.min_agl,
         max_amsl: scenario.max_amsl,
         layers: vec![Layer::OPEN; scenario.vehicles.len()],
-        stations: scenario
-            .vehicles
-            .iter()
-            .map(|mover| Stations {
-                departure: Departure::Ground,
-                home: on_ground(mover.start.at),
-                start: mover.start,
-                goal: mover.goal,
-                landing: mover.goal.at,
-                goal_ground: on_ground(mover.goal.at).amsl,
-                stops: Vec::new(),
-            })
-            .collect(),
+        stations: stations(scenario),
     }
+}
+
+/// Where the vehicles of a scenario are.
+fn stations(scenario: &Scenario) -> Vec<Stations> {
+    let on_ground = |at: EastNorth| PlanPoint {
+        at,
+        amsl: Amsl(scenario.surface.height_m(at)),
+    };
+    let vehicles = scenario.vehicles.iter();
+    vehicles
+        .map(|mover| Stations {
+            departure: Departure::Ground,
+            home: on_ground(mover.start.at),
+            start: mover.start,
+            goal: mover.goal,
+            landing: mover.goal.at,
+            landing_rad: None,
+            goal_ground: on_ground(mover.goal.at).amsl,
+            stops: Vec::new(),
+        })
+        .collect()
 }
 
 fn mission(scenario: &Scenario, frame: &LocalFrame) -> MissionSpec {

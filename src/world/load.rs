@@ -12,8 +12,8 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::numeric::digits;
 use crate::numeric::geometry::Ring;
 use crate::spec::{
-    BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
-    Zone,
+    Airframe, BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile,
+    TerrainSource, Vehicle, Zone,
 };
 
 /// The world of a spec file. Its terrain is read from a path relative to the spec.
@@ -51,10 +51,34 @@ pub fn load(file: &SpecFile) -> Result<World, SpecError> {
     if !issues.is_empty() {
         return Err(file.error(issues));
     }
-    World::new(&file.spec, terrain).map_err(|error| {
+    let world = World::new(&file.spec, terrain).map_err(|error| {
         let issue = file.issue("terrain", error.to_string(), String::new());
         file.error(vec![issue])
-    })
+    })?;
+    let issues = no_approach(file, &world);
+    match issues.is_empty() {
+        true => Ok(world),
+        false => Err(file.error(issues)),
+    }
+}
+
+/// Planes whose course to their landing is left open, and of which none is free.
+fn no_approach(file: &SpecFile, world: &World) -> Vec<Issue> {
+    let vehicles = file.spec.vehicles.iter().zip(&world.stations).enumerate();
+    let blocked = vehicles.filter(|(_, (vehicle, stations))| {
+        let is_open = vehicle.airframe == Airframe::Plane && vehicle.approach_wind().is_some();
+        is_open && world.free_landing_rad(vehicle, stations).is_none()
+    });
+    let issue = |(index, _): (usize, _)| {
+        file.issue(
+            &format!("vehicles[{index}].landing"),
+            "no course to the landing is free, whatever the wind".to_owned(),
+            "one inside the area, off threats and zones, above the ground: by glide_deg, \
+             loiter_radius_m or the height, or heading_deg"
+                .to_owned(),
+        )
+    };
+    blocked.map(issue).collect()
 }
 
 fn terrain(file: &SpecFile) -> Result<Terrain, TerrainError> {
@@ -285,7 +309,11 @@ impl Check<'_> {
             at: spec.frame.to_plan(touchdown),
             ..high
         };
-        let Some(gate) = super::gate(vehicle, over, ground) else {
+        let heading_rad = vehicle
+            .wing
+            .and_then(|wing| wing.landing)
+            .and_then(|landing| landing.heading_rad);
+        let Some(gate) = super::gate(vehicle, heading_rad, over, ground) else {
             return;
         };
         let away_m = gate.at.distance_m(over.at);

@@ -1,5 +1,6 @@
 //! The world a mission flies in: ground, threats, zones, area, in planning coordinates.
 
+mod approach;
 mod departure;
 mod ground;
 mod layer;
@@ -53,6 +54,9 @@ pub struct Stations {
     pub goal: PlanPoint,
     /// Where the vehicle lands if it lands at the goal: the place that the spec gives.
     pub landing: EastNorth,
+    /// The course on which a wing comes to its landing, radians clockwise from north: that of the spec,
+    /// or where it leaves it open one into the wind. None: from anywhere.
+    pub landing_rad: Option<f64>,
     /// The ground there.
     pub goal_ground: Amsl,
     /// The stops between start and goal, in the order of the vehicle's.
@@ -105,31 +109,9 @@ impl World {
     pub fn new(spec: &MissionSpec, terrain: Terrain) -> Result<Self, NoData> {
         let frame = spec.frame;
         let area = frame.outline(&spec.area.outline());
-        let stations = spec
-            .vehicles
-            .iter()
-            .map(|vehicle| {
-                let goal_ground = terrain.height(vehicle.goal.place)?;
-                let over_goal = resolve(&frame, &terrain, vehicle.goal)?;
-                Ok(Stations {
-                    departure: Departure::Ground,
-                    home: PlanPoint {
-                        at: frame.to_plan(vehicle.home),
-                        amsl: terrain.height(vehicle.home)?,
-                    },
-                    start: resolve(&frame, &terrain, vehicle.start)?,
-                    goal: route_end(
-                        vehicle,
-                        raised(spec, vehicle, over_goal, goal_ground),
-                        goal_ground,
-                    ),
-                    landing: over_goal.at,
-                    goal_ground,
-                    stops: (vehicle.stops.iter())
-                        .map(|stop| resolve(&frame, &terrain, stop.end))
-                        .collect::<Result<_, NoData>>()?,
-                })
-            })
+        let stations = spec.vehicles.iter();
+        let stations = stations
+            .map(|vehicle| Stations::of(spec, vehicle, &terrain))
             .collect::<Result<_, NoData>>()?;
         let sites = |task: &Task| {
             let stops = task.stops.iter();
@@ -157,7 +139,7 @@ impl World {
             stations,
             tasks,
         };
-        Ok(world.with_limits(spec, true))
+        Ok(world.with_limits(spec, true).with_approaches(spec))
     }
 
     /// The same world with the limits of a spec alone, as a flight is judged.
@@ -209,6 +191,38 @@ impl World {
     }
 }
 
+impl Stations {
+    /// Those of a vehicle, over a terrain.
+    fn of(spec: &MissionSpec, vehicle: &Vehicle, terrain: &Terrain) -> Result<Self, NoData> {
+        let frame = spec.frame;
+        let goal_ground = terrain.height(vehicle.goal.place)?;
+        let over_goal = resolve(&frame, terrain, vehicle.goal)?;
+        let landing = vehicle.wing.and_then(|wing| wing.landing);
+        let landing_rad = landing.and_then(|landing| landing.heading_rad);
+        let stops = vehicle.stops.iter();
+        Ok(Self {
+            departure: Departure::Ground,
+            home: PlanPoint {
+                at: frame.to_plan(vehicle.home),
+                amsl: terrain.height(vehicle.home)?,
+            },
+            start: resolve(&frame, terrain, vehicle.start)?,
+            goal: route_end(
+                vehicle,
+                landing_rad,
+                raised(spec, vehicle, over_goal, goal_ground),
+                goal_ground,
+            ),
+            landing: over_goal.at,
+            landing_rad,
+            goal_ground,
+            stops: stops
+                .map(|stop| resolve(&frame, terrain, stop.end))
+                .collect::<Result<_, NoData>>()?,
+        })
+    }
+}
+
 fn point(at: EastNorth) -> [f64; 2] {
     [at.east_m, at.north_m]
 }
@@ -243,20 +257,30 @@ fn raised(spec: &MissionSpec, vehicle: &Vehicle, goal: PlanPoint, ground: Amsl) 
 }
 
 /// Where the planned path of a vehicle ends: over its goal, or before its approach to it.
-fn route_end(vehicle: &Vehicle, over_goal: PlanPoint, ground: Amsl) -> PlanPoint {
+fn route_end(
+    vehicle: &Vehicle,
+    landing_rad: Option<f64>,
+    over_goal: PlanPoint,
+    ground: Amsl,
+) -> PlanPoint {
     match vehicle.finish {
-        Finish::Land => gate(vehicle, over_goal, ground).unwrap_or(over_goal),
+        Finish::Land => gate(vehicle, landing_rad, over_goal, ground).unwrap_or(over_goal),
         Finish::Loiter | Finish::Return => over_goal,
     }
 }
 
-/// Where the approach begins to a landing on the ground under a place, from the height over
-/// it; none for a vehicle that needs no approach.
-fn gate(vehicle: &Vehicle, over: PlanPoint, ground: Amsl) -> Option<PlanPoint> {
-    let landing = vehicle.wing?.landing?;
+/// Where the approach on a course begins to a landing on the ground under a place, from the height
+/// over it; none for a vehicle that needs no approach.
+fn gate(
+    vehicle: &Vehicle,
+    landing_rad: Option<f64>,
+    over: PlanPoint,
+    ground: Amsl,
+) -> Option<PlanPoint> {
+    let landing_rad = landing_rad?;
     let lengths = vehicle.approach_lengths(over.amsl.above_ground(ground).0)?;
     let before_m = lengths.straight_m + lengths.gate_m;
-    let (sin, cos) = landing.heading_rad.sin_cos();
+    let (sin, cos) = landing_rad.sin_cos();
     Some(PlanPoint::new(
         over.at.east_m - before_m * sin,
         over.at.north_m - before_m * cos,

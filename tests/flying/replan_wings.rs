@@ -67,3 +67,35 @@ fn vtol_in_flight_go_around_a_popup_threat_without_a_stop_and_one_is_not_touched
         assert!(slowest_mps > 16.0, "{vehicle}: {slowest_mps} m/s");
     }
 }
+
+/// A QuadPlane that flies with the wind, and lands into it.
+const WINDY: &str = "
+sortie: 2
+name: windy
+area: {south_west: {lat: 36.25, lon: -84.33}, north_east: {lat: 36.36, lon: -84.17}, min_agl_m: 30, max_amsl_m: 900}
+terrain: {flat: {amsl_m: 400}}
+wind: {from_deg: 270, speed_mps: 3}
+vehicles:
+  - {id: osprey, sysid: 1, autopilot: ardupilot, airframe: vtol, link: sim, speed_mps: 18, climb_mps: 4, descent_mps: 3,
+     start: {lat: 36.2900, lon: -84.290, agl_m: 80}, goal: {lat: 36.2900, lon: -84.220, agl_m: 80}, finish: land,
+     loiter_radius_m: 100}
+separation: {distance_m: 100, time_slack_s: 5}
+planner: {algorithm: msfoa, seed: 1, evaluations: 2000, control_points: 8}
+";
+
+#[test]
+fn a_quadplane_that_was_to_land_into_the_wind_is_led_around_a_threat_all_the_same() {
+    let (folder, runs) = planned("windy", WINDY);
+    let mut flight = take_off(folder.path(), "windy.yaml", "6");
+    wait_for(&runs, "osprey", 60.0);
+    let threat = "--threat=36.2900,-84.250,400";
+    let output = sortie(folder.path(), &["replan", "windy.yaml", threat]);
+    let told = text(&output.stdout);
+    assert!(output.status.success(), "{told}{}", text(&output.stderr));
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    let status = flight.0.wait().expect("it ends");
+    let flown = json(&runs.join("flight.json"));
+    assert_eq!(flown["verdict"], "pass", "{flown:#}");
+    assert_eq!(flown["vehicles"][0]["end"], "landed", "{flown:#}");
+    assert!(status.success(), "{status}");
+}

@@ -101,7 +101,7 @@ pub fn plane(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         wing: Some(Wing {
             takeoff_heading_rad: Some(FRAC_PI_2),
             landing: Some(Landing {
-                heading_rad: FRAC_PI_2,
+                heading_rad: Some(FRAC_PI_2),
                 glide_rad: 6_f64.to_radians(),
             }),
             loiter_radius_m: 100.0,

@@ -72,6 +72,7 @@ pub fn plan_shipped(name: &str, change: impl FnOnce(&mut MissionSpec)) -> Planne
     let world = sortie::world::load(&file).expect("the terrain");
     let mut spec = file.spec;
     change(&mut spec);
+    let world = World::new(&spec, world.terrain).expect("ground");
     let dispatched = dispatch(&spec, &world, 1, &|_| {});
     let failed = dispatched.review.margins.iter().filter(|margin| !margin.ok);
     let failed: Vec<_> = failed.collect();

@@ -282,3 +282,55 @@ fn a_wing_gains_time_on_its_way_and_separation_allows_for_it() {
     assert!(shift.allowed_s.least < -slack_s - 3.0, "{shift:?}");
     assert!(shift.allowed_s.most > slack_s + 3.0, "{shift:?}");
 }
+
+/// A wall of 4 m around a place, closed below an altitude.
+fn low_wall(at: LatLon, below_m: f64) -> Zone {
+    let spec = empty_spec(vec![]);
+    let middle = spec.frame.to_plan(at);
+    Zone {
+        id: "wall".to_owned(),
+        polygon: [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
+            .map(|(east_m, north_m)| spot(middle.east_m + east_m, middle.north_m + north_m))
+            .to_vec(),
+        ceiling: Some(Placement::Amsl(sortie::geodesy::Amsl(below_m))),
+        ..Zone::default()
+    }
+}
+
+#[test]
+fn a_quadplane_beside_its_second_leg_is_judged_as_low_as_one_was_flown_there() {
+    // ArduPlane 4.6.3, 2 m/s of wind: 15 m beside the leg, and by how far along it as high as on it.
+    let (mut spec, mut mission) = quadplane(Autopilot::ArduPilot);
+    windy(&mut spec, 145.0, 2.0);
+    spec.vehicles[0].climb_mps = 3.4;
+    let speed = mission.items[1];
+    let circle = mission.items[3];
+    let ways = [
+        (-104.5, 137.5, 71.5),
+        (-353.1, 464.2, 107.0),
+        (-507.8, 663.5, 96.25),
+    ];
+    let ways = ways.map(|(east_m, north_m, up_m)| waypoint(spot(east_m, north_m), GROUND_M + up_m));
+    mission.items = vec![mission.items[0], speed, ways[0], ways[1], ways[2], circle];
+    let flown = spot(-227.0, 273.7);
+    spec.no_fly.push(low_wall(flown, GROUND_M + 81.5));
+    let found = margin(&spec, &mission, &Limit::Zone("wall".to_owned())).expect("judged");
+    assert!(found.value < 5.0, "{found:?}");
+}
+
+#[test]
+fn a_plane_that_climbs_to_its_circle_is_judged_inside_of_it_where_one_was_flown() {
+    // ArduPlane 4.6.3, 5 m/s of wind from behind: 19.5 m below the circle, 10 m inside of it.
+    let (mut spec, mut mission) = climbing_plane();
+    windy(&mut spec, 270.0, 5.0);
+    let vehicle = &mut spec.vehicles[0];
+    vehicle.wing.as_mut().expect("a wing").loiter_radius_m = 120.0;
+    mission.items[3].params[2] = 120.0;
+    let before = waypoint(spot(2532.0, 0.0), UP_M - 43.75);
+    mission.items.insert(3, before);
+    mission.items[2] = waypoint(spot(1500.0, 0.0), UP_M - 43.75);
+    spec.no_fly
+        .push(low_wall(spot(3000.0 - 95.3, 55.0), UP_M - 19.0));
+    let found = margin(&spec, &mission, &Limit::Zone("wall".to_owned())).expect("judged");
+    assert!(found.value < 5.0, "{found:?}");
+}

@@ -11,12 +11,14 @@ KINDS = {
     # Corners of 15 to 140 degrees, written over the planned items.
     "zigzag": ("ardupilot", "copter"),
     "plane": ("ardupilot", "plane"),
+    # Lands on a course that is found for it.
+    "plane-land": ("ardupilot", "plane"),
     "quadplane": ("ardupilot", "vtol"),
     "px4-copter": ("px4", "copter"),
 }
 WINDS_MPS = [0, 2, 4, 5, 6, 8]
 # `check` fails these in more wind.
-MOST_WIND_MPS = {"quadplane": 4, "plane": 6}
+MOST_WIND_MPS = {"quadplane": 4, "plane": 6, "plane-land": 6}
 # The greatest speed through the air that `check` allows a copter, less a little.
 COPTER_AIRSPEED_MPS = {"ardupilot": 13.0, "px4": 10.2}
 
@@ -52,10 +54,15 @@ def make(kind, seed):
     rng = random.Random(f"{kind} {seed}")
     autopilot, airframe = KINDS[kind]
     wind = {"from_deg": rng.randrange(0, 360, 5), "speed_mps": rng.choice(WINDS_MPS)}
+    if kind == "plane-land":
+        # Without wind there is no such course.
+        wind["speed_mps"] = max(wind["speed_mps"], 2)
     wind["speed_mps"] = min(wind["speed_mps"], MOST_WIND_MPS.get(kind, wind["speed_mps"]))
     course_deg = rng.uniform(0, 360)
     draw = corners if kind == "zigzag" else copter if airframe == "copter" else wing
     vehicle, start, goal = draw(rng, autopilot, airframe, course_deg, wind["speed_mps"])
+    if kind == "plane-land":
+        vehicle["finish"], vehicle["landing"] = "land", {"glide_deg": rng.choice([4, 5, 6])}
     if kind == "zigzag":
         return with_area(kind, seed, vehicle, [], [], wind, ("relative", 5)), wind
     ways = [between(start, goal, rng.uniform(0.3, 0.7), rng.uniform(-60, 60)) for _ in range(rng.randint(0, 2))]
@@ -82,7 +89,7 @@ def nose_deg(kind, seed, vehicle):
 
 
 def with_area(kind, seed, vehicle, threats, hills, wind, mission):
-    half_m = 1500 if vehicle["airframe"] == "copter" else 3500
+    half_m = 1500 if vehicle["airframe"] == "copter" else 6000 if kind == "plane-land" else 3500
     spec = {
         "sortie": 2,
         "name": f"{kind}-{seed}",

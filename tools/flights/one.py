@@ -10,7 +10,7 @@ from . import missions, simulator
 from .dataflash import Truth
 from .tube import Tube, compare
 
-BUFFER_M = {"copter": 10.0, "zigzag": 10.0, "px4-copter": 10.0, "plane": 15.0, "quadplane": 15.0}
+BUFFER_M = {"copter": 10.0, "zigzag": 10.0, "px4-copter": 10.0, "plane": 15.0, "plane-land": 15.0, "quadplane": 15.0}
 
 
 def run(*command, timeout=900):
@@ -105,7 +105,7 @@ def measured(kind, folder):
     """The truth of a flight that is over against its verified trajectory."""
     truth = Truth(sorted((folder / "sim" / "logs").glob("*.BIN"))[-1])
     trajectories = json.loads((folder / "trajectories.json").read_text())
-    figures, escapes = compare(Tube(trajectories["vehicles"][0]), truth, BUFFER_M[kind], kind == "plane")
+    figures, escapes = compare(Tube(trajectories["vehicles"][0]), truth, BUFFER_M[kind], kind in ("plane", "plane-land"))
     return {
         "version": simulator.version(truth.texts), "flown_s": round(float(truth.t[-1] - truth.t0_s), 1),
         "escapes": escapes, "figures": figures,

@@ -9,6 +9,7 @@ ARDUPILOT = {
     "copter": ("quad", "default_params/copter.parm"),
     "zigzag": ("quad", "default_params/copter.parm"),
     "plane": ("plane", "models/plane.parm"),
+    "plane-land": ("plane", "models/plane.parm"),
     "quadplane": ("quadplane", "default_params/quadplane.parm"),
 }
 # The whole wind from 10 m on, none on the ground, as below trees. One estimator instead of two: the same flight in less time.

@@ -286,9 +286,25 @@ impl<'a> FlownTrack<'a> {
     pub(super) fn deviations(&self) -> impl Iterator<Item = (usize, Deviation)> {
         self.on_route().filter_map(|index| {
             let item = self.fixes()[index].item;
-            let of = self.plan(index)?.deviation(item, self.points[index])?;
-            Some((index, of))
+            let plan = self.plan(index)?;
+            let of = plan.deviation(item, self.points[index])?;
+            Some((index, self.with_early_climb(plan, index, of)))
         })
+    }
+
+    /// A plane may have the height of its takeoff anywhere on its climb-out: it is above that only where it
+    /// exceeds it.
+    fn with_early_climb(&self, plan: &Reference, index: usize, of: Deviation) -> Deviation {
+        let top = plan.waypoints.get(1).filter(|_| self.plan_of[index] == 0);
+        let top = top.filter(|top| self.airframe == Airframe::Plane && of.t_s < top.t_s);
+        match top {
+            Some(top) if of.above_m > 0.0 => {
+                let over_m = self.points[index].amsl.0 - top.point.amsl.0;
+                let above_m = over_m.max(0.0);
+                Deviation { above_m, ..of }
+            }
+            _ => of,
+        }
     }
 
     fn report(&self) -> VehicleReport {

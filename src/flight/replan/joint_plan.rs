@@ -172,6 +172,8 @@ impl<'a> JointPlan<'a> {
             start: from,
             goal: to,
             landing: to.at,
+            // Whoever is led onto a new path lands from anywhere.
+            landing_rad: None,
             goal_ground: ground(&self.world, to),
             stops: Vec::new(),
             ..stations.clone()
@@ -411,6 +413,11 @@ impl<'a> JointPlan<'a> {
     fn judge(self, mut new: Vec<NewMission>) -> (Vec<NewMission>, Review) {
         let judged: Vec<(usize, &VehicleMission)> = self.missions.iter().enumerate().collect();
         let mut review = verify::review(&self.spec, &self.world, &judged);
+        // Off its place is better than through a threat; the flight is judged by where it lands.
+        let fleet = &self.spec.vehicles;
+        review
+            .margins
+            .retain(|margin| !is_driven_off(margin, fleet));
         review.margins.extend(self.problems);
         let others = self.missions.len() - new.len().min(self.missions.len());
         for (new, index) in new.iter_mut().zip(others..) {
@@ -432,6 +439,14 @@ impl<'a> JointPlan<'a> {
         }
         (new, review)
     }
+}
+
+/// Whether a vehicle misses the place of its landing because the wind from behind may drive it off alone.
+fn is_driven_off(margin: &Margin, fleet: &[Vehicle]) -> bool {
+    let vehicle = fleet.iter().find(|vehicle| vehicle.id == margin.vehicle);
+    let drift_m = vehicle.map_or(0.0, |vehicle| vehicle.landing_drift_m(None));
+    let is_finish = margin.limit == Limit::Finish && !margin.ok;
+    is_finish && margin.value - drift_m <= margin.bound
 }
 
 /// Puts what is done at the places that a new path leads over instead of the turns there.

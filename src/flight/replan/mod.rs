@@ -21,7 +21,7 @@ use super::launch::plan::FlightPlan;
 use super::record::lines::Line;
 use super::record::underway::Notice;
 use crate::link::Links;
-use crate::spec::{Airframe, Link, MissionSpec, Threat};
+use crate::spec::{Airframe, Link, MissionSpec, Threat, Vehicle};
 use crate::verify::Review;
 use crate::world::Disc;
 
@@ -86,7 +86,7 @@ pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
     for vehicle in &spec.vehicles {
         let why = match vehicle.airframe {
             Airframe::Plane => "is a plane: only copters and VTOL are led onto new paths",
-            Airframe::Vtol if vehicle.wing.is_some_and(|wing| wing.landing.is_some()) => {
+            Airframe::Vtol if has_given_approach(vehicle) => {
                 "has an approach: only VTOL that land from anywhere are led onto new paths"
             }
             Airframe::Vtol if !vehicle.stops.is_empty() => {
@@ -101,6 +101,12 @@ pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
         return Err(FlightError::Verdict(message));
     }
     Ok(())
+}
+
+/// Whether the spec gives the course on which a wing lands.
+fn has_given_approach(vehicle: &Vehicle) -> bool {
+    let landing = vehicle.wing.and_then(|wing| wing.landing);
+    landing.is_some_and(|landing| landing.heading_rad.is_some())
 }
 
 /// Adds threats to the spec and the world of a plan: they hold for everything that is planned and

@@ -142,11 +142,12 @@ pub fn build_course(
     };
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
-    let (fence, notes) = if spec.mission.fence {
+    let (fence, mut notes) = if spec.mission.fence {
         fence::fence(spec, vehicle, &items)
     } else {
         (Vec::new(), Vec::new())
     };
+    notes.extend(wing::landing_course_note(vehicle, stations));
     let params = parameters(
         vehicle,
         &spec.mission,

@@ -7,7 +7,7 @@ use crate::autopilot::command;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::item::Item;
 use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
-use crate::spec::{Airframe, Autopilot, Finish, Stop};
+use crate::spec::{Airframe, Autopilot, Finish, Stop, Vehicle};
 use crate::world::{Departure, NoData, Stations};
 
 /// A route that ends in a circle ends this many radii before its middle: from there the
@@ -276,6 +276,20 @@ impl ItemWriter<'_> {
         list.items.push(self.at(command, 0.0, touchdown)?);
         Ok(())
     }
+}
+
+/// The course on which a wing lands where the spec leaves it open, in words.
+#[must_use]
+pub fn landing_course_note(vehicle: &Vehicle, stations: &Stations) -> Option<String> {
+    let (wind, course_rad) = (vehicle.approach_wind()?, stations.landing_rad?);
+    let off_deg = (course_rad - wind.from_rad).cos().acos().to_degrees();
+    let course_deg = course_rad.to_degrees().round().rem_euclid(360.0);
+    Some(match off_deg < 1.0 {
+        true => format!("lands on a course of {course_deg:.0} degrees, into the wind"),
+        false => format!(
+            "lands on a course of {course_deg:.0} degrees, {off_deg:.0} off the wind: nearer to it something is in the way"
+        ),
+    })
 }
 
 /// The part of a route before it stays within a distance of a place; at least the very

@@ -12,7 +12,7 @@ use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, StopAction, Vehicle};
 use crate::tasks::{AssignedTask, FleetTasks};
 use crate::verify::{Limit, Margin, Review};
-use crate::world::World;
+use crate::world::{Stations, World};
 
 /// The paths of a fleet: `plan.json`. Its vehicles are made one at a time as they are written:
 /// those of a large fleet have hundreds of megabytes.
@@ -79,6 +79,7 @@ impl PlannedVehicles<'_> {
         let (vehicle, planned) = (&spec.vehicles[index], &self.plan.vehicles[index]);
         let own = self.left_out.get(vehicle.id.as_str());
         let mut document = PlannedVehicle {
+            landing_deg: landing_deg(vehicle, world.stations.get(index)),
             gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
             blocked_by: ids(spec, &planned.blocked_by),
             // The objective judges turns and ground more strictly than the verdict.
@@ -159,6 +160,9 @@ pub struct PlannedVehicle {
     pub depart_s: f64,
     /// Cruise speed, m/s: that of the spec, or another speed of its range.
     pub speed_mps: f64,
+    /// The course of its landing, degrees clockwise from north, where the spec leaves it open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub landing_deg: Option<f64>,
     /// The earlier vehicles to which it gives way by another departure or speed than that
     /// of the spec.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -344,6 +348,12 @@ fn violation_entries(
         .collect()
 }
 
+/// The course of a landing that the spec leaves open, degrees.
+fn landing_deg(vehicle: &Vehicle, stations: Option<&Stations>) -> Option<f64> {
+    vehicle.approach_wind()?;
+    rounded(stations?.landing_rad?.to_degrees(), METRE_DIGITS)
+}
+
 /// The ids of vehicles.
 fn ids(spec: &MissionSpec, indices: &[usize]) -> Vec<String> {
     let known = indices.iter().filter_map(|&index| spec.vehicles.get(index));
@@ -378,6 +388,7 @@ fn planned_vehicle(
         sysid: vehicle.sysid,
         depart_s: planned.depart_s,
         speed_mps: planned.speed_mps,
+        landing_deg: None,
         gives_way_to: Vec::new(),
         blocked_by: Vec::new(),
         cost: cost(&planned.terms),

@@ -20,6 +20,10 @@ use crate::spec::Airframe;
 
 /// A circle is left when the nose points this near to the next place, radians.
 const LINED_UP_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+/// ArduPlane climbs out with all its thrust, whatever climb and speed are planned: its simulated plane
+/// made 9.3 to 10.4 m/s up and 25 to 30 m/s ahead (4.6.3, 24 flights).
+const CLIMB_OUT_MPS: f64 = 10.0;
+const CLIMB_OUT_AIRSPEED_MPS: f64 = 27.0;
 /// Slower than this on its wheels it stands, m/s.
 const STANDS_MPS: f64 = 0.1;
 
@@ -256,9 +260,15 @@ impl Pilot {
 
     fn climb_out(&mut self, takeoff: Takeoff, at_m: [f64; 3], items: &[Item], limits: &WingLimits) {
         let across_mps2 = self.motion(at_m).along(&takeoff.line, limits);
-        let airspeed_mps = self.wing.map_or(0.0, |wing| wing.airspeed_mps);
-        let climb_mps = (airspeed_mps * takeoff.pitch_rad.sin()).min(limits.climb_mps);
-        self.fly_on(across_mps2, climb_mps, limits.airspeed_mps);
+        let (climb_mps, airspeed_mps) = match self.profile {
+            Profile::ArduPilot => (CLIMB_OUT_MPS, CLIMB_OUT_AIRSPEED_MPS),
+            Profile::Px4 | Profile::Generic => {
+                let airspeed_mps = self.wing.map_or(0.0, |wing| wing.airspeed_mps);
+                let climb_mps = airspeed_mps * takeoff.pitch_rad.sin();
+                (climb_mps.min(limits.climb_mps), limits.airspeed_mps)
+            }
+        };
+        self.fly_on(across_mps2, climb_mps, airspeed_mps);
         if at_m[2] >= takeoff.amsl_m {
             if let Some(wing) = &mut self.wing {
                 wing.height = crate::simulator::dynamics::altitude::Height::at(at_m[2]);

@@ -43,6 +43,7 @@ pub(super) fn check(
 ) -> Result<(Checked, ValueSources), Vec<Issue>> {
     let mut checker = Checker {
         sources: ValueSources::new(positions, keys.vehicles.len()),
+        version: keys.sortie,
         issues: Vec::new(),
     };
     checker.ranges([(String::new(), &keys)]);
@@ -63,6 +64,8 @@ pub(super) struct Checked {
 /// Collects problems. A check returns `None` after reporting a problem that leaves no value.
 struct Checker {
     sources: ValueSources,
+    /// Of the format of the spec.
+    version: u32,
     issues: Vec<Issue>,
 }
 

@@ -17,6 +17,7 @@ pub(in crate::spec) fn scenario(
 ) -> Result<Scenario, Vec<Issue>> {
     let mut checker = Checker {
         sources: ValueSources::new(positions, 0),
+        version: 1,
         issues: Vec::new(),
     };
     checker.ranges([(String::new(), keys)]);

@@ -121,18 +121,29 @@ impl Checker {
     fn landing(&mut self, path: &str, keys: &keys::Vehicle, flown: &Flown) -> Option<Landing> {
         let is_plane = flown.airframe == Airframe::Plane;
         let lands = flown.finish != Finish::Loiter;
+        let wind = flown.wind.filter(|wind| wind.speed_mps > 0.0);
         let Some(landing) = keys.landing else {
             if is_plane && lands {
                 let found = "a plane that lands, without landing";
                 self.report(path, found, "landing: {heading_deg, glide_deg}");
             }
-            return None;
+            // Version 1 stays as it was: from any direction.
+            let into_wind = wind.filter(|_| !is_plane && lands && self.version > 1);
+            return into_wind.map(|_| Landing {
+                heading_rad: None,
+                glide_rad: 0.0,
+            });
         };
-        let heading_deg = self.required(path, "heading_deg", landing.heading_deg);
-        let glide_deg = self.required(path, "glide_deg", landing.glide_deg);
-        let (heading_deg, glide_deg) = (heading_deg?, glide_deg?);
+        // Where there is wind it may be left open.
+        let heading_deg = match wind {
+            Some(_) => landing.heading_deg,
+            None => Some(self.required(path, "heading_deg", landing.heading_deg)?),
+        };
+        let glide_deg = self.required(path, "glide_deg", landing.glide_deg)?;
+        let heading_rad = heading_deg.map(f64::to_radians);
         let glide_rad = glide_deg.to_radians();
-        let ground_mps = flown.ground_speed_mps(heading_deg.to_radians());
+        let into_wind_rad = wind.map_or(0.0, |wind| wind.from_rad);
+        let ground_mps = flown.ground_speed_mps(heading_rad.unwrap_or(into_wind_rad));
         let sink_mps = ground_mps * glide_rad.tan();
         if is_plane && sink_mps > flown.descent_mps {
             let found = format!("{glide_deg} at {ground_mps:.4} m/s sinks {sink_mps:.2} m/s");
@@ -144,7 +155,7 @@ impl Checker {
             self.report(&format!("{path}.glide_deg"), found, allowed);
         }
         Some(Landing {
-            heading_rad: heading_deg.to_radians(),
+            heading_rad,
             glide_rad,
         })
     }

@@ -255,8 +255,9 @@ pub struct SpeedRange {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Landing {
-    /// Direction of the approach, degrees clockwise from north.
-    #[schemars(required, range(min = 0, max = 360))]
+    /// Direction of the approach, degrees clockwise from north. By default, where there is wind, into it,
+    /// or the nearest to that from where the approach is free.
+    #[schemars(range(min = 0, max = 360))]
     pub heading_deg: Option<f64>,
     /// Angle of a plane's glide, degrees; a vtol comes down vertically.
     #[schemars(required, range(min = 1, max = 30))]

@@ -92,10 +92,11 @@ impl Vehicle {
 
 impl Vehicle {
     /// A warning where a vehicle may come to its landing with the wind from behind, and what to state.
+    /// `course_rad` is the one it comes on; none: not known.
     #[must_use]
-    pub fn landing_note(&self) -> Option<String> {
-        let (wing, wind) = (self.wing?, self.carried_by()?);
-        let drift_m = self.landing_drift_m(wing.landing.map(|landing| landing.heading_rad));
+    pub fn landing_note(&self, course_rad: Option<f64>) -> Option<String> {
+        let wind = self.carried_by()?;
+        let drift_m = self.landing_drift_m(course_rad);
         (self.finish != Finish::Loiter && drift_m > 0.0).then(|| {
             format!(
                 "{}: with the wind from behind it may touch down {drift_m:.0} m from its place; landing.heading_deg {:.0} has it \

@@ -137,6 +137,8 @@ pub(crate) struct Flight {
     pub(crate) takeoff_rad: Option<f64>,
     /// Course and angle of a plane's glide to its landing, radians.
     pub(crate) landing: Option<(f64, f64)>,
+    /// How far from its place a descent on rotors may end, driven off by the wind, metres.
+    pub(crate) landing_drift_m: f64,
     pub(crate) circle: Option<Circle>,
     /// From where on the flight is not known.
     pub(crate) unknown: Option<Unknown>,

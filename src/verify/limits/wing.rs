@@ -49,12 +49,9 @@ impl Contract<'_> {
         }
         if let Some(((is_rad, glide_rad), landing)) = flight.landing.zip(wing.landing) {
             let touchdown = last.moment(frame, 1.0);
-            course(
-                is_rad,
-                landing.heading_rad,
-                Limit::LandingHeading,
-                touchdown,
-            );
+            if let Some(planned_rad) = self.stations.landing_rad.or(landing.heading_rad) {
+                course(is_rad, planned_rad, Limit::LandingHeading, touchdown);
+            }
             let mut glide = Worst::default();
             let limit_deg = landing.glide_rad.to_degrees() + GLIDE_DEG;
             glide.at_most(glide_rad.to_degrees(), limit_deg, || touchdown);

@@ -122,7 +122,7 @@ impl Pilot<'_> {
             .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
         self.lay_altitude_offsets(&knots, &firsts)?;
         self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
-        if let Some((hull, leg)) = self.leave_hull(&knots, &firsts) {
+        if let Some((hull, leg)) = self.leave_hull(&knots, &firsts)? {
             self.lay_arrivals((&hull, leg), &knots, &grounds_mps, &firsts)?;
         }
         if last_mps <= 0.0 {

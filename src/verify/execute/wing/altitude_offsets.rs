@@ -82,6 +82,19 @@ impl Pilot<'_> {
             .collect()
     }
 
+    /// For each leg its own line and those off it.
+    pub(crate) fn leg_lines(
+        &self,
+        knots: &[Knot],
+        firsts: &[usize],
+    ) -> Result<Vec<Vec<AltitudeLine>>, Unknown> {
+        let mut all = self.offset_lines(knots, firsts)?;
+        for (lines, pair) in all.iter_mut().zip(knots.windows(2)) {
+            lines.push(self.trajectory.altitude_line(&pair[0], &pair[1])?);
+        }
+        Ok(all)
+    }
+
     /// For each leg the altitudes off its own line: at that of its end where the change is
     /// small and flown at once; below or above its line where it is a slope or follows one, by
     /// the lag. Over followed ground no lag was measured and none is given.

@@ -75,6 +75,7 @@ impl Pilot<'_> {
         if drift_m <= 0.0 {
             return;
         }
+        self.flight.landing_drift_m = drift_m;
         self.widen_from(first, drift_m);
         let disc = self.trajectory.chords.len();
         self.lay_disc(row, top, drift_m, times_s);

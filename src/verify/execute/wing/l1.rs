@@ -16,6 +16,8 @@ const INTEGRAL_RAD: f64 = 0.1;
 const INTEGRAL_WITHIN_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Step of the integration and between the places of a way, seconds.
 pub(crate) const STEP_S: f64 = 0.05;
+/// A way that comes to a place along a line is looked at from this long before its turn there, seconds.
+const LEAD_S: f64 = 1.0;
 
 /// What steers a wing of ArduPilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,41 +131,83 @@ impl Guidance {
     /// The way along knots, begun at the first on the course of its leg, at a speed over the
     /// ground on each leg; ends past the last knot, or when it takes too long.
     pub(crate) fn follow(&self, knots: &[Knot], grounds_mps: &[f64]) -> Vec<Fix> {
-        let pair = knots.first().zip(knots.get(1));
-        pair.map_or_else(Vec::new, |(from, to)| {
-            self.arrive(Line::new(from.at, to.at), knots, grounds_mps)
-        })
+        let lines = lines(knots);
+        let turns: Vec<f64> = lines
+            .windows(2)
+            .map(|pair| pair[0].turn_rad(&pair[1]))
+            .collect();
+        match lines.first() {
+            Some(first) => {
+                let wing = self.on_line(first, first.from, grounds_mps[0]);
+                self.fly((wing, &lines), (&turns, knots), grounds_mps)
+            }
+            None => Vec::new(),
+        }
     }
 
-    /// The way of a wing that comes to the first knot along a line. It does not begin to turn before
-    /// that: how far before a place it does, ArduPlane takes from the legs of the mission.
-    pub(crate) fn arrive(&self, along: Line, knots: &[Knot], grounds_mps: &[f64]) -> Vec<Fix> {
-        let lines: Vec<Line> = knots
-            .windows(2)
-            .map(|pair| Line::new(pair[0].at, pair[1].at))
-            .collect();
-        let Some(first) = lines.first() else {
+    /// The way of a wing that comes to the first of some knots along a line, from where it turns onto
+    /// the leg after that. How far before it that is, ArduPlane takes from the legs of the mission:
+    /// `turn_rad` is their change of course there.
+    pub(crate) fn arrive(
+        &self,
+        (along, turn_rad): (Line, f64),
+        knots: &[Knot],
+        grounds_mps: &[f64],
+    ) -> Vec<Fix> {
+        let mut all = lines(knots);
+        let (Some(first), Some(&ground_mps)) = (knots.first(), grounds_mps.first()) else {
             return Vec::new();
         };
+        let turns = std::iter::once(turn_rad);
+        let turns = turns.chain(all.windows(2).map(|pair| pair[0].turn_rad(&pair[1])));
+        let turns: Vec<f64> = turns.collect();
+        let before_m = self.turn_distance_m(turn_rad, ground_mps, Amsl(first.amsl_m));
+        let begin = along.before_end((before_m + LEAD_S * ground_mps).min(along.length_m));
+        let wing = self.on_line(&along, begin, ground_mps);
+        all.insert(0, along);
+        let grounds_mps: Vec<f64> = std::iter::once(ground_mps)
+            .chain(grounds_mps.iter().copied())
+            .collect();
+        let mut knots_after = vec![*first];
+        knots_after.extend(knots);
+        let fixes = self.fly((wing, &all), (&turns, &knots_after), &grounds_mps);
+        let turned = fixes.into_iter().filter_map(|fix| {
+            let leg = fix.leg.checked_sub(1)?;
+            Some(Fix { leg, ..fix })
+        });
+        turned.collect()
+    }
+
+    /// A wing on the course of a line, at a place on it.
+    fn on_line(&self, line: &Line, at: EastNorth, ground_mps: f64) -> Wing {
         let [east_mps, north_mps] = match self.wind_mps {
-            Some(_) => self.through_air(&along, grounds_mps[0]),
-            None => along.unit,
+            Some(_) => self.through_air(line, ground_mps),
+            None => line.unit,
         };
-        let mut wing = Wing {
-            at: [first.from.east_m, first.from.north_m],
+        Wing {
+            at: [at.east_m, at.north_m],
             heading_rad: north_mps.atan2(east_mps),
             bank_rad: 0.0,
             integral_rad: 0.0,
-        };
+        }
+    }
+
+    /// The way of a wing along lines between knots, with the changes of course between them.
+    fn fly(
+        &self,
+        (mut wing, lines): (Wing, &[Line]),
+        (turns_rad, knots): (&[f64], &[Knot]),
+        grounds_mps: &[f64],
+    ) -> Vec<Fix> {
         let least_s = lines.iter().zip(grounds_mps);
         let least_s: f64 = least_s.map(|(line, speed)| line.length_m / speed).sum();
         let (mut t_s, mut leg, mut fixes) = (0.0, 0, Vec::new());
         while t_s < 2.0 * least_s + 60.0 {
             let (line, speed_mps) = (&lines[leg], grounds_mps[leg]);
             let gone_m = line.along(wing.at);
-            let before_m = lines.get(leg + 1).map_or(0.0, |next| {
+            let before_m = turns_rad.get(leg).map_or(0.0, |turn_rad| {
                 let at = Amsl(knots[leg + 1].amsl_m);
-                self.turn_distance_m(line.turn_rad(next), speed_mps, at)
+                self.turn_distance_m(*turn_rad, speed_mps, at)
             });
             let left_m = (wing.at[0] - line.to.east_m).hypot(wing.at[1] - line.to.north_m);
             if gone_m >= line.length_m || left_m <= before_m {
@@ -193,6 +237,14 @@ impl Guidance {
     }
 }
 
+/// The legs between knots.
+fn lines(knots: &[Knot]) -> Vec<Line> {
+    let pairs = knots.windows(2);
+    pairs
+        .map(|pair| Line::new(pair[0].at, pair[1].at))
+        .collect()
+}
+
 impl Line {
     pub(crate) fn new(from: EastNorth, to: EastNorth) -> Self {
         let length_m = from.distance_m(to).max(1e-3);
@@ -204,6 +256,14 @@ impl Line {
                 (to.north_m - from.north_m) / length_m,
             ],
             length_m,
+        }
+    }
+
+    /// The place on it so far before its end.
+    fn before_end(&self, distance_m: f64) -> EastNorth {
+        EastNorth {
+            east_m: self.to.east_m - distance_m * self.unit[0],
+            north_m: self.to.north_m - distance_m * self.unit[1],
         }
     }
 
@@ -219,6 +279,11 @@ impl Line {
         v[0] * self.unit[1] - v[1] * self.unit[0]
     }
 
+    /// How far along it a place is, as a share of its length; negative before it.
+    pub(crate) fn share(&self, at: EastNorth) -> f64 {
+        self.along([at.east_m, at.north_m]) / self.length_m
+    }
+
     fn along(&self, at: [f64; 2]) -> f64 {
         self.ahead(self.gone(at))
     }
@@ -232,7 +297,7 @@ impl Line {
     }
 
     /// Change of course to the next leg, radians.
-    fn turn_rad(&self, next: &Self) -> f64 {
+    pub(crate) fn turn_rad(&self, next: &Self) -> f64 {
         self.right(next.unit).atan2(self.ahead(next.unit))
     }
 }

@@ -144,7 +144,7 @@ impl Contract<'_> {
         let goal = self.stations.goal;
         let levels = self.vehicle.airframe == Airframe::Vtol
             && self.vehicle.finish == Finish::Land
-            && self.vehicle.wing.is_some_and(|wing| wing.landing.is_none());
+            && self.stations.landing_rad.is_none();
         match self.flight.route.last() {
             Some(last) if levels => PlanPoint {
                 amsl: last.point.amsl,
@@ -177,11 +177,18 @@ impl Contract<'_> {
             }
         };
         let mut worst = Worst::default();
+        let drift_m = self.flight.landing_drift_m;
         worst.at_most(
-            at.distance_m(station),
+            at.distance_m(station) + drift_m,
             self.spec.mission.tolerance_m,
             || last.moment(&self.world.frame, 1.0),
         );
-        worst.margin(self.id(), Limit::Finish, "m")
+        let margin = worst.margin(self.id(), Limit::Finish, "m")?;
+        let is_driven = drift_m > 0.0 && !margin.ok;
+        let note = is_driven.then(|| self.vehicle.landing_note(None)).flatten();
+        Some(Margin {
+            note: note.unwrap_or_default(),
+            ..margin
+        })
     }
 }
