@@ -13,10 +13,12 @@ KINDS = {
     "plane": ("ardupilot", "plane"),
     "quadplane": ("ardupilot", "vtol"),
     "px4-copter": ("px4", "copter"),
+    "px4-plane": ("px4", "plane"),
+    "px4-vtol": ("px4", "vtol"),
 }
 WINDS_MPS = [0, 2, 4, 5, 6, 8]
 # `check` fails these in more wind.
-MOST_WIND_MPS = {"quadplane": 4, "plane": 6}
+MOST_WIND_MPS = {"vtol": 4, "plane": 6}
 # The greatest speed through the air that `check` allows a copter, less a little.
 COPTER_AIRSPEED_MPS = {"ardupilot": 13.0, "px4": 10.2}
 
@@ -52,7 +54,7 @@ def make(kind, seed):
     rng = random.Random(f"{kind} {seed}")
     autopilot, airframe = KINDS[kind]
     wind = {"from_deg": rng.randrange(0, 360, 5), "speed_mps": rng.choice(WINDS_MPS)}
-    wind["speed_mps"] = min(wind["speed_mps"], MOST_WIND_MPS.get(kind, wind["speed_mps"]))
+    wind["speed_mps"] = min(wind["speed_mps"], MOST_WIND_MPS.get(airframe, wind["speed_mps"]))
     course_deg = rng.uniform(0, 360)
     draw = corners if kind == "zigzag" else copter if airframe == "copter" else wing
     vehicle, start, goal = draw(rng, autopilot, airframe, course_deg, wind["speed_mps"])
