@@ -22,6 +22,12 @@ MOST_WIND_MPS = {"vtol": 4, "plane": 6}
 # The greatest speed through the air that `check` allows a copter, less a little.
 COPTER_AIRSPEED_MPS = {"ardupilot": 13.0, "px4": 10.2}
 
+# PX4's own simulated wings fly 14 m/s (plane) and 12 m/s (VTOL) at full thrust, stall at 7 to 8.
+WING_SPEEDS_MPS = {
+    ("ardupilot", "plane"): [16, 18, 20], ("ardupilot", "vtol"): [16, 18, 20], ("px4", "plane"): [11, 12, 13],
+    ("px4", "vtol"): [9, 10, 11],
+}
+
 
 def place(east_m, north_m):
     """Latitude and longitude of a place around the middle."""
@@ -55,7 +61,8 @@ def make(kind, seed):
     autopilot, airframe = KINDS[kind]
     wind = {"from_deg": rng.randrange(0, 360, 5), "speed_mps": rng.choice(WINDS_MPS)}
     wind["speed_mps"] = min(wind["speed_mps"], MOST_WIND_MPS.get(airframe, wind["speed_mps"]))
-    course_deg = rng.uniform(0, 360)
+    # PX4's simulated plane stands with its nose to the north, and takes off that way.
+    course_deg = rng.uniform(0, 360) * (kind != "px4-plane")
     draw = corners if kind == "zigzag" else copter if airframe == "copter" else wing
     vehicle, start, goal = draw(rng, autopilot, airframe, course_deg, wind["speed_mps"])
     if kind == "zigzag":
@@ -174,7 +181,7 @@ def wing(rng, autopilot, airframe, course_deg, wind_mps):
     length_m = rng.uniform(1400, 2400)
     start, goal = polar(400, course_deg), polar(400 + length_m, course_deg + rng.uniform(-25, 25))
     is_plane = airframe == "plane"
-    speed_mps = rng.choice([16, 18, 20])
+    speed_mps = rng.choice(WING_SPEEDS_MPS[autopilot, airframe])
     # No tighter than it turns with the wind behind it, through thinner air.
     turn_m = (1.06 * speed_mps + wind_mps) ** 2 / (9.80665 * math.sqrt(1.2**2 - 1))
     vehicle = {

@@ -6,6 +6,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import time
 
 from . import dataflash, ulog
 
@@ -70,6 +71,9 @@ def px4(binary, kind, folder, instance, at, wind, speedup, sysid=1):
     to_rad, speed_mps = math.radians(wind["from_deg"] + 180), wind["speed_mps"]
     own = {"PX4_SYS_AUTOSTART": PX4[kind], "PX4_SIMULATOR": "sihsim", "PX4_SIM_SPEED_FACTOR": speedup, "PX4_HOME_LAT": f"{lat:.7f}",
            "PX4_HOME_LON": f"{lon:.7f}", "PX4_HOME_ALT": amsl_m, "PX4_PARAM_MAV_SYS_ID": sysid}
+    if kind != "px4-copter":
+        # Or it refuses a mission that ends in a circle.
+        own["PX4_PARAM_MIS_TKO_LAND_REQ"] = 0
     if speed_mps:
         own |= {"PX4_PARAM_SIH_WIND_N": round(speed_mps * math.cos(to_rad), 3),
                 "PX4_PARAM_SIH_WIND_E": round(speed_mps * math.sin(to_rad), 3)}
@@ -77,6 +81,10 @@ def px4(binary, kind, folder, instance, at, wind, speedup, sysid=1):
     with open(folder / "simulator.txt", "w") as log:
         child = subprocess.Popen(command, cwd=folder, env={**os.environ, **{k: str(v) for k, v in own.items()}},
                                  stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
+    # It speaks when its script has ended, on a busy machine long after.
+    until = time.monotonic() + 60
+    while "Startup script returned" not in (folder / "simulator.txt").read_text(errors="replace") and time.monotonic() < until:
+        time.sleep(0.2)
     return child, f"udpin:127.0.0.1:{port}"
 
 

@@ -132,7 +132,7 @@ def fleet_flight(options, folder, spec, during=None, wind_mps=0, from_deg=270, t
     children, links = [], []
     for n, vehicle in enumerate(vehicles):
         own, more = folder / f"sim{n}", {"sysid": vehicle["sysid"]}
-        if terrain:
+        if terrain and vehicle["autopilot"] == "ardupilot":
             shutil.copytree(terrain, own / "terrain")
             more["more"] = "TERRAIN_ENABLE 1\nSIM_TERRAIN 1\n"
         place, wind = (*one.home(out, vehicle["id"]), 0), {"speed_mps": wind_mps, "from_deg": from_deg}
