@@ -1,4 +1,4 @@
-//! Plans a mission from code: a spec in, judged mission items out.
+//! Plans a mission from code: a spec in, judged mission files out.
 //!
 //! ```sh
 //! cargo run --release --example plan_mission missions/first.yaml
@@ -6,24 +6,19 @@
 #![expect(clippy::print_stdout, reason = "an example talks to its reader")]
 
 use std::error::Error;
-use std::path::Path;
 
-use sortie::dispatch::dispatch;
-use sortie::formats::waypoints;
-use sortie::spec::SpecFile;
-use sortie::world;
+use sortie::{Mission, files, plan};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args()
         .nth(1)
         .unwrap_or_else(|| "missions/first.yaml".to_owned());
-    let file = SpecFile::read(Path::new(&path))?;
-    let world = world::load(&file)?;
+    let mission = Mission::read(path)?;
 
     // Search, encode and verify; an infeasible mission is a verdict, not an error.
-    let found = dispatch(&file.spec, &world, file.spec.planner.seed, &|_| {});
+    let found = plan(&mission);
 
-    for (vehicle, plan) in file.spec.vehicles.iter().zip(&found.plan.vehicles) {
+    for (vehicle, plan) in mission.spec().vehicles.iter().zip(&found.plan.vehicles) {
         let (cost, length_km) = (plan.terms.total(), plan.length_m() / 1000.0);
         println!(
             "{}: cost {cost:.3}, {length_km:.1} km, bound {:.3}",
@@ -37,8 +32,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             margin.vehicle, margin.limit, margin.value, margin.unit, margin.bound
         );
     }
-    if let Some((_, mission)) = found.missions.first() {
-        print!("{}", waypoints::write(mission));
+    for (name, text) in files(&mission, &found) {
+        println!("{name}: {} bytes", text.len());
     }
     Ok(())
 }

@@ -89,9 +89,14 @@ pub mod cli;
 
 mod library;
 
+pub use dispatch::{Dispatched, Stage};
 pub use library::{
     Mission, UploadError, files, improve, plan, plan_with, upload, upload_with, verify,
 };
+pub use link::{Progress, TransferReport};
+pub use mission::VehicleMission;
+pub use spec::{SpecError, keys};
+pub use verify::{Limit, Margin, Review};
 
 /// The examples of the README.
 #[cfg(doctest)]

@@ -98,8 +98,8 @@ pub fn plan_with(mission: &Mission, seed: u64, progress: &(dyn Fn(Stage) + Sync)
     dispatch(mission.spec(), &mission.world, seed, progress)
 }
 
-/// Plans of rising quality with the seed of the spec, each encoded and verified: the first soon, the
-/// last with the evaluations of the spec. Warm with an `earlier` plan, of this mission or of one that
+/// Plans of rising quality with the seed of the spec, each encoded and judged ([`Review::passes`]): the
+/// first soon, the last with the evaluations of the spec, each with fewer violated limits or less cost. Warm with an `earlier` plan, of this mission or of one that
 /// differs a little. Ends early once `cancel` is set.
 pub fn improve<'a>(
     mission: &'a Mission,

@@ -260,6 +260,33 @@ def slope(vehicle, key, polynomial, top_m):
     return float(np.maximum(0, (polynomial[0] * z + polynomial[1]) * z + polynomial[2]).max())
 
 
+def stops_of_tasks(spec, plan):
+    """The stops that a plan gives each vehicle for its tasks, those at places of the spec held against it."""
+    known = {}
+    for task in spec["tasks"]:
+        if "visit" in task:
+            known[task["id"]] = task["visit"]
+        for key in ("from", "to"):
+            if "deliver" in task:
+                known[f"{task['id']}.{key}"] = task["deliver"][key]
+    for vehicle in spec["vehicles"]:
+        known.update({stop["id"]: stop for stop in vehicle.get("stops") or []})
+    stops, visited = {}, []
+    for vehicle in plan["vehicles"]:
+        stops[vehicle["id"]] = [
+            {"id": stop["id"], "lat": stop["lat_deg"], "lon": stop["lon_deg"], "amsl_m": stop["amsl_m"]}
+            for stop in vehicle["stops"]
+        ]
+        for stop in stops[vehicle["id"]]:
+            for name in stop["id"].split(" + "):
+                if name in known:
+                    visited.append(name)
+                    off = max(abs(stop[key] - known[name][key]) for key in ("lat", "lon"))
+                    demand(off < 1e-7, f"{vehicle['id']}: stop {name} is not where the spec has it")
+    demand(len(visited) == len(set(visited)), "a place of the spec is visited twice")
+    return stops
+
+
 def ends_of(world, vehicle):
     """Start and goal of each route: east, north, altitude."""
     if vehicle.get("airframe", "copter") != "copter" and vehicle.get("finish", "land") == "land":
@@ -417,12 +444,17 @@ def check_route(world, vehicle, route, ends):
     demand(route["bound"] <= max(0.0, proven) + 1e-6, f"it proves {proven:.6f}, not {route['bound']:.6f}")
 
 
-def check(spec_path, document):
+def check(spec_path, document, folder=None):
     world = World(spec_path)
     digest = hashlib.sha256(spec_path.read_bytes()).hexdigest()
     demand(document["spec_sha256"] == digest, "it is of another spec")
     demand(np.abs(np.array(document["origin"]) - world.earth.origin).max() < 1e-9, "the origin is another one")
     vehicles = {vehicle["id"]: vehicle for vehicle in world.spec["vehicles"]}
+    if world.spec.get("tasks"):
+        plan = json.loads((folder / "plan.json").read_text())
+        demand(plan["spec_sha256"] == digest, "the plan is of another spec")
+        for name, stops in stops_of_tasks(world.spec, plan).items():
+            vehicles[name] = {**vehicles[name], "stops": stops}
     for certified in document["vehicles"]:
         name = certified["id"]
         demand(name in vehicles, f"no vehicle {name} in the spec")
@@ -447,7 +479,7 @@ def main():
     arguments = parser.parse_args()
     try:
         document = json.loads((arguments.folder / "certificate.json").read_text())
-        check(arguments.spec, document)
+        check(arguments.spec, document, arguments.folder)
     except Rejected as why:
         print(f"rejected: {why}")
         return 1

@@ -105,6 +105,8 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("LAND_SPEED_HIGH", 0.0, CmPs),
     p("LAND_ALT_LOW", 1000.0, Cm),
     p("LAND_SPEED", 50.0, CmPs),
+    // 0: LAND_SPEED.
+    p("PLDP_SPEED_DN", 0.0, Mps),
     p("DISARM_DELAY", 10.0, S),
     p("RTL_ALT", 1500.0, Cm),
     p("RTL_CONE_SLOPE", 3.0, Number),

@@ -9,7 +9,7 @@ use crate::mission;
 use crate::path::lean_note;
 use crate::spec::{Document, MissionSpec, Survey, Vehicle};
 use crate::verify;
-use crate::world;
+use crate::world::{self, World};
 
 /// Zones of one file that are listed.
 const MAX_LISTED: usize = 20;
@@ -19,7 +19,7 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     let mut needs = Vec::new();
     let (kind, vehicles, threats, zones) = match Document::read(&arguments.spec)? {
         Document::Mission(file) => {
-            world::load(&file)?;
+            let world = world::load(&file)?;
             let spec = &file.spec;
             for vehicle in &spec.vehicles {
                 let leans = lean_note(spec, vehicle, vehicle.speeds().most);
@@ -27,9 +27,7 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
                     note(&format!("warning: {text}"));
                 }
             }
-            for text in verify::distant_from_area(spec, &[]) {
-                note(&format!("warning: {text}"));
-            }
+            warn(spec, &world);
             needs = fences(spec);
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
             surveys.clone_from(&file.surveys);
@@ -63,6 +61,15 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Warns of places far outside of the area and of values that look like another unit.
+pub(super) fn warn(spec: &MissionSpec, world: &World) {
+    let mut texts = verify::distant_from_area(spec, &[]);
+    texts.extend(world::unit_warnings(spec, world));
+    for text in texts {
+        note(&format!("warning: {text}"));
+    }
 }
 
 /// What the fence of a spec needs, and what each kind of vehicle keeps.

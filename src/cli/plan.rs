@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::args;
+use super::check;
 use super::folder;
 use super::folder::runs;
 use super::print::console::{Paint, note, out, out_json, out_lines};
@@ -26,7 +27,7 @@ use crate::link::TransferReport;
 use crate::report::{infeasibilities, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
 use crate::tasks::AssignedTask;
-use crate::verify::{self, Margin, Review, Topic};
+use crate::verify::{Margin, Review, Topic};
 use crate::world::{self, World};
 
 /// Vehicles that the table lists: of a larger fleet, those with the tightest margins.
@@ -86,9 +87,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         return Err(Failure::new(Failure::OUTPUT, message));
     }
     let world = world::load(&file)?;
-    for text in verify::distant_from_area(&file.spec, &[]) {
-        note(&format!("warning: {text}"));
-    }
+    check::warn(&file.spec, &world);
     watch.split("read_s");
     let seed = arguments.seed.unwrap_or(file.spec.planner.seed);
     let dispatched = match arguments.within {

@@ -4,6 +4,7 @@ mod anytime;
 mod crowd;
 mod deconfliction;
 mod freedoms;
+mod remaining;
 mod rounds;
 mod tighten;
 mod timed_zones;

@@ -7,8 +7,9 @@ use crate::spec::MissionSpec;
 use crate::verify::{Limit, Margin, Reviewer};
 use crate::world::World;
 
+use super::remaining::moved_apart;
 use super::tighten::Strictness;
-use super::{Dispatched, Job, Stage, judged};
+use super::{Dispatched, Job, Stage, crowd, judged};
 
 /// Rounds of planning that every fleet has. A violation that remains after them is a conflict in
 /// the spec, and the operator should see it soon.
@@ -67,6 +68,16 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     }
     let mut best = best.unwrap_or(latest);
     best.rounds = rounds;
+    // Smaller fleets are planned as a whole where pairs are left.
+    if spec.vehicles.len() > crowd::MOST && !best.review.passes() && !run.is_cancelled() {
+        let moved = moved_apart(job, &best).map(|plan| {
+            let next = (rounds + 1, plan);
+            judged(job, &mut reviewer, next, Some(&best))
+        });
+        best = moved
+            .filter(|moved| moved.is_better_than(best.rank()))
+            .unwrap_or(best);
+    }
     if !best.review.passes() && !run.is_cancelled() {
         best.add_blockers(spec, world, run.seed, strictness);
     }

@@ -174,6 +174,14 @@ impl EastNorth {
     pub fn distance_m(self, other: Self) -> f64 {
         (self.east_m - other.east_m).hypot(self.north_m - other.north_m)
     }
+
+    /// Whether a point is further than a distance to the east, west, north or south alone: cheaper
+    /// than [`Self::distance_m`], and true of most that are far.
+    #[must_use]
+    pub fn is_beyond(self, other: Self, reach_m: f64) -> bool {
+        (self.east_m - other.east_m).abs() > reach_m
+            || (self.north_m - other.north_m).abs() > reach_m
+    }
 }
 
 impl PlanPoint {

@@ -17,5 +17,5 @@ pub use build::{MissionError, build, build_course};
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use params::{
     acceptance_m, corner_accel_mps2, corner_cut_m, cruise_speed_mps, is_lean_limit, lean_limit_deg,
-    parameters, turn_radius_m,
+    parameters, placing_mps, turn_radius_m,
 };

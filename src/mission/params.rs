@@ -116,6 +116,18 @@ pub fn corner_accel_mps2(accel_mps2: f64, mission: Option<&VehicleMission>) -> f
     usable.unwrap_or(2.0 * accel_mps2)
 }
 
+/// The parameter of `ArduCopter` that has how fast it comes down to place a load.
+const PLACING: &str = "PLDP_SPEED_DN";
+
+/// How fast the parameters of a mission let a copter come down to place a load, m/s; 0: as at the end of a
+/// landing. None where they do not say.
+#[must_use]
+pub fn placing_mps(mission: &VehicleMission) -> Option<f64> {
+    let held = mission.params.iter().find(|param| param.name == PLACING)?;
+    let placing_mps = f64::from(held.value) / parameter(PLACING)?.unit.per_si();
+    placing_mps.is_finite().then_some(placing_mps)
+}
+
 /// Share of the planned airspeed below which a QuadPlane's rotors may help. With 18 at a planned
 /// 18 m/s they did some 40 times on one way, and it sank 36 m under its line (ArduPlane 4.7.0-dev of
 /// December 2025, simulated).
@@ -196,6 +208,9 @@ impl List<'_> {
             "height of the slow end of a landing, cm",
         );
         self.slow_landing("LAND_SPEED", "speed of the slow end of a landing, cm/s");
+        if v.has_payload_place() {
+            self.set(PLACING, 0.0, "loads are placed at LAND_SPEED");
+        }
         self.armed_until_departure("DISARM_DELAY", 0.0);
         if let Some(amsl) = v.return_amsl {
             self.set(

@@ -25,7 +25,11 @@ pub fn lean_note(spec: &MissionSpec, vehicle: &Vehicle, ground_mps: f64) -> Opti
     if air_mps <= reached.value {
         return None;
     }
-    let air = format!("{id}: {air_mps:.1} m/s through the air (against the wind)");
+    let wind = match spec.wind {
+        Some(_) => " (against the wind)",
+        None => "",
+    };
+    let air = format!("{id}: {air_mps:.1} m/s through the air{wind}");
     if spec.version < 2 {
         return Some(format!(
             "{air} is faster than the {reached} that a stock {firmware} {version} reached at its lean limit: it may be \

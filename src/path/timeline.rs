@@ -276,12 +276,7 @@ fn land(points: &mut Vec<TimedPoint>, ground: Amsl, vehicle: &Vehicle) {
     {
         lift(points, slow_from, vehicle.descent_mps);
     }
-    let slow_mps = vehicle
-        .facts()
-        .behaviour
-        .slow_landing_mps
-        .min(vehicle.descent_mps);
-    lift(points, ground, slow_mps);
+    lift(points, ground, vehicle.slow_descent_mps());
 }
 
 /// Stays where it is for a time.

@@ -35,6 +35,7 @@ use crate::spec::{MissionSpec, Vehicle};
 
 /// The paths of a fleet, in the order of the spec.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FleetPlan {
     /// The seed every stream came from.
     pub seed: u64,

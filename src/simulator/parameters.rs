@@ -40,6 +40,8 @@ pub(crate) struct Limits {
     /// Below this height a landing is slow.
     pub(crate) slow_landing_m: f64,
     pub(crate) slow_landing_mps: f64,
+    /// Down to place a load.
+    pub(crate) placing_mps: f64,
     /// Height above home of a return.
     pub(crate) return_m: f64,
     /// On the ground, armed, without a takeoff for so long; none for ever, seconds.
@@ -138,6 +140,10 @@ impl Settings {
             level_m: None,
             slow_landing_m: metres("LAND_ALT_LOW"),
             slow_landing_mps: metres("LAND_SPEED").max(0.1),
+            placing_mps: match self.of_name("PLDP_SPEED_DN") {
+                placing_mps if placing_mps > 0.0 => placing_mps,
+                _ => metres("LAND_SPEED").max(0.1),
+            },
             return_m: metres("RTL_ALT"),
             idle_s: (idle_s > 0.0).then_some(idle_s),
         }
@@ -160,6 +166,7 @@ impl Settings {
             level_m: Some(self.of_name("NAV_MC_ALT_RAD").max(0.1)),
             slow_landing_m: self.of_name("MPC_LAND_ALT2"),
             slow_landing_mps: self.of_name("MPC_LAND_SPEED").max(0.1),
+            placing_mps: self.of_name("MPC_LAND_SPEED").max(0.1),
             return_m: self.of_name("RTL_RETURN_ALT"),
             idle_s: (idle_s > 0.0).then_some(idle_s),
         }

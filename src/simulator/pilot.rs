@@ -6,6 +6,7 @@
 mod camera;
 mod mission;
 mod orders;
+mod payload;
 mod wing;
 
 use super::dynamics::body::{Body, Weathering};
@@ -46,6 +47,8 @@ pub(crate) enum Doing {
     Holding { at_m: [f64; 3], until: Option<Time> },
     /// Goes down to the ground below a point.
     Sinking { at_m: [f64; 3] },
+    /// Places a load on the ground.
+    Placing(payload::Placing),
     /// Has touched down.
     Landed { at: Time },
     /// Is carried by its wing, or about to be.
@@ -63,6 +66,8 @@ pub(crate) enum Hold {
     Ever,
     /// It lands.
     Land,
+    /// It places a load there.
+    Place,
 }
 
 /// Reports of the pilot for the ground station.
@@ -288,6 +293,7 @@ impl Pilot {
                 steering::hold_mps(at_m, place, &limits)
             }
             Doing::Sinking { at_m: place } => self.sink(place, at_m, &limits),
+            Doing::Placing(placing) => self.step_placing(placing, at_m, items, &limits),
             Doing::OnWing(winged) => return self.step_winged(winged, at_m, items),
         };
         if matches!(self.doing, Doing::Landed { .. }) {

@@ -114,7 +114,7 @@ impl Builder {
     /// # Errors
     /// Every problem, by its path.
     pub fn file(self, path: &Path) -> Result<SpecFile, SpecError> {
-        SpecFile::check(path, self.yaml(), self.keys, Positions::default())
+        SpecFile::check(path, self.yaml(), self.keys.into(), Positions::default())
     }
 
     /// The mission as a file has it, without absent keys.

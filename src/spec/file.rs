@@ -1,5 +1,7 @@
 //! A spec file: read, parsed and checked, with its text for messages and copies.
 
+pub(super) mod structure;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -11,8 +13,8 @@ use super::positions::Positions;
 use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
-use crate::numeric::digits;
 use crate::numeric::text::open_regular;
+use structure::{KeysRead, Unknown};
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
 const MAX_BYTES: u64 = 8 << 20;
@@ -45,7 +47,7 @@ impl SpecFile {
     pub fn to_builder(&self) -> Result<Builder, SpecError> {
         let yaml = self.text.strip_prefix('\u{feff}').unwrap_or(&self.text);
         let keys = serde_yaml::from_str::<keys::Spec>(yaml);
-        let keys = keys.map_err(|error| self.error(vec![structural(&error)]))?;
+        let keys = keys.map_err(|error| self.error(vec![structure::problem(&error)]))?;
         Ok(keys.into())
     }
 
@@ -61,8 +63,8 @@ impl SpecFile {
     /// the table of vehicles that it may name is read.
     ///
     /// # Errors
-    /// The first structural problem (syntax, type, unknown or repeated key), or a table that
-    /// cannot be read, or else every semantic problem, in file order.
+    /// Broken YAML, or else every problem, in file order: of keys and types, of files that cannot be
+    /// read, and all semantic ones that can be known beside them.
     pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
         let one = |issue: Issue| SpecError {
             file: path.display().to_string(),
@@ -81,30 +83,58 @@ impl SpecFile {
                 allowed: "a mission in latitude and longitude, without this key".to_owned(),
             }));
         }
-        let keys: keys::Spec =
-            serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
-        Self::check(path, text, keys, positions)
+        let read = structure::read(yaml, &positions).map_err(|issues| SpecError {
+            file: path.display().to_string(),
+            issues: in_order(issues),
+        })?;
+        Self::check(path, text, read, positions)
     }
 
-    /// Checks the keys of a file, and the table that they name.
+    /// Checks the keys of a file, and the files that they name.
     pub(super) fn check(
         path: &Path,
         text: String,
-        keys: keys::Spec,
+        read: KeysRead,
         positions: Positions,
     ) -> Result<Self, SpecError> {
-        let all = |issues: Vec<Issue>| SpecError {
-            file: path.display().to_string(),
-            issues,
-        };
+        let KeysRead {
+            keys,
+            mut issues,
+            mut unknown,
+        } = read;
         let csv = keys.fleet.as_ref().and_then(|fleet| fleet.csv.as_deref());
         let table = csv.map(|name| read_table(path, name, &positions));
-        let (file, table) = table.transpose().map_err(all)?.unzip();
-        let attached = airspace::read(path, &keys, &positions).map_err(all)?;
+        let (file, table) = match table.transpose() {
+            Ok(table) => table.unzip(),
+            Err(problems) => {
+                issues.extend(problems);
+                let without = ["fleet", "vehicles", "tasks"].map(str::to_owned);
+                unknown.extend(without.map(Unknown::Within));
+                (None, None)
+            }
+        };
+        let (attached, unread) = airspace::read(path, &keys, &positions);
+        unknown.extend(
+            unread
+                .iter()
+                .map(|issue| Unknown::Within(issue.path.clone())),
+        );
+        issues.extend(unread);
         // Whether it is one is checked below.
         let t0: Option<jiff::Timestamp> = keys.t0.as_deref().and_then(|text| text.parse().ok());
-        let (checked, sources) =
-            check::check(keys, positions, table.unwrap_or_default(), &attached).map_err(all)?;
+        let checked = check::check(keys, positions, table.unwrap_or_default(), &attached);
+        let (checked, sources) = match checked {
+            Ok(checked) if issues.is_empty() => checked,
+            checked => {
+                let semantic = checked.err().unwrap_or_default();
+                let is_known = |issue: &Issue| !structure::is_unknown(issue, &unknown);
+                issues.extend(semantic.into_iter().filter(is_known));
+                return Err(SpecError {
+                    file: path.display().to_string(),
+                    issues: in_order(issues),
+                });
+            }
+        };
         Ok(Self {
             spec: checked.spec,
             text,
@@ -238,89 +268,6 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
         let good = error.utf8_error().valid_up_to();
         whole(format!("not text: byte {good} is not UTF-8"), "UTF-8")
     })
-}
-
-/// Takes apart a message such as
-/// `vehicles[0]: invalid type: string "fast", expected f64 at line 3 column 5`.
-pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
-    let position = error.location().map(|at| (at.line(), at.column()));
-    let mut message = error.to_string();
-    if let Some((line, column)) = position {
-        let suffix = format!(" at line {line} column {column}");
-        message = message.replacen(&suffix, "", 1);
-    }
-    let is_path = |text: &str| {
-        text.chars()
-            .all(|c| c.is_ascii_alphanumeric() || "_.[]?".contains(c))
-    };
-    let (path, message) = match message.split_once(": ") {
-        Some((path, rest)) if is_path(path) => (path.to_owned(), rest.to_owned()),
-        _ => (String::new(), message),
-    };
-    // The key itself belongs to the path.
-    let key = message
-        .strip_prefix("unknown field `")
-        .and_then(|rest| rest.split_once('`'));
-    let path = match key {
-        Some((key, _)) if path.is_empty() => key.to_owned(),
-        Some((key, _)) => format!("{path}.{key}"),
-        None => path,
-    };
-    let (mut found, allowed) = match message.split_once(", expected ") {
-        Some((found, allowed)) => explained(found, plain(allowed)),
-        None => (message.clone(), String::new()),
-    };
-    if let Some(meant) = key.and_then(|(key, rest)| meant(key, rest)) {
-        found = format!("{found}: did you mean `{meant}`?");
-    }
-    Issue {
-        path,
-        table: None,
-        position,
-        found,
-        allowed,
-    }
-}
-
-/// The known key that is most like an unknown one, if any is; `rest` lists them in backticks.
-fn meant<'a>(key: &str, rest: &'a str) -> Option<&'a str> {
-    // Two of three letters are the same at least.
-    const LIKE: f64 = 0.67;
-    let known = rest.split('`').skip(1).step_by(2);
-    let like = |known: &&str| strsim::normalized_damerau_levenshtein(key, known);
-    known
-        .filter(|known| like(known) >= LIKE)
-        .max_by(|a, b| like(a).total_cmp(&like(b)))
-}
-
-/// What the parser found and expected of a number, in the words of the file.
-fn explained(found: &str, allowed: String) -> (String, String) {
-    let between = |before: &str| found.strip_prefix(before)?.strip_suffix('`');
-    // An integer is a number too, unless its digits are not decimal.
-    if let Some(value) = between("invalid type: integer `").filter(|_| allowed == "a number") {
-        let found = format!("{value} in hexadecimal, octal or binary digits");
-        return (
-            found,
-            format!("a number in decimal digits, such as {value}"),
-        );
-    }
-    let float = between("invalid type: floating point `");
-    if let Some(value) = float.and_then(|text| text.parse().ok()) {
-        let value = digits::plain(value);
-        return (format!("invalid type: floating point `{value}`"), allowed);
-    }
-    (found.to_owned(), allowed)
-}
-
-/// What the parser expected, in the words of the file.
-fn plain(expected: &str) -> String {
-    match expected {
-        "f64" => "a number".to_owned(),
-        "u32" | "u64" | "i64" => "a whole number".to_owned(),
-        "a sequence" => "a list".to_owned(),
-        _ if expected.starts_with("struct ") => "keys with values".to_owned(),
-        _ => expected.to_owned(),
-    }
 }
 
 /// The JSON Schema (draft 2020-12) of a mission spec, for editors.

@@ -6,6 +6,7 @@ use crate::numeric::text::escaped;
 
 /// One problem of a spec.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Issue {
     /// Path in the YAML, such as `vehicles[2].start.lat`; empty for the whole file. In a
     /// table the name of the column; empty for the whole row.
@@ -30,6 +31,7 @@ impl Issue {
 
 /// Everything that is wrong with a spec, at once.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub struct SpecError {
     /// File name as given, for the messages.
     pub file: String,

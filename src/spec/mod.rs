@@ -57,7 +57,7 @@ pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
 pub use vehicle::{
     ACTION_S, AltitudeLimits, ApproachLengths, Arrival, Capacity, EndPoint, Endurance, Energy,
-    Finish, GRAVITY_MPS2, Landing, Link, MAX_STOPS, OnWay, Order, Placement, Retiming, Span, Stop,
-    StopAction, TakeoffRegion, Vehicle, Wing, turn_radius_by_load_m,
+    Finish, GRAVITY_MPS2, Landing, Link, MAX_STOPS, OnWay, Order, Placement, RELEASE_S, Retiming,
+    Span, Stop, StopAction, TakeoffRegion, Vehicle, Wing, turn_radius_by_load_m,
 };
 pub use wind::Wind;

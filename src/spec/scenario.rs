@@ -133,7 +133,7 @@ impl Scenario {
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(text);
         let positions = Positions::read(yaml).map_err(|issue| error(vec![issue]))?;
         let keys: keys::Scenario = serde_yaml::from_str(yaml)
-            .map_err(|problem| error(vec![file::structural(&problem)]))?;
+            .map_err(|problem| error(vec![file::structure::problem(&problem)]))?;
         check::scenario(&keys, positions).map_err(error)
     }
 

@@ -5,7 +5,7 @@ mod endurance;
 mod region;
 mod stop;
 
-pub use action::StopAction;
+pub use action::{RELEASE_S, StopAction};
 pub use endurance::{Capacity, Endurance, Energy};
 pub use region::TakeoffRegion;
 pub use stop::{ACTION_S, Arrival, MAX_STOPS, OnWay, Order, Stop};

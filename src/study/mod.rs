@@ -3,6 +3,7 @@
 
 mod document;
 mod draw;
+mod family;
 mod fleet;
 mod paper;
 mod planner;
@@ -13,6 +14,7 @@ mod stats;
 mod store;
 mod workers;
 
+pub use family::Family;
 pub use fleet::{
     DELIVERY_TERRAIN, Deliveries, FleetError, FleetFolder, FleetGrowth, FleetRun, MAX_DELIVERIES,
     deliveries, delivery_ground,

@@ -11,7 +11,7 @@ use super::areas::{Layout, SweepLine, lay_out};
 use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Spent, Visit, Way};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::plan::least_lengths_m;
-use crate::spec::{MissionSpec, Stop, Sweep};
+use crate::spec::{MissionSpec, Stop, Sweep, Task};
 use crate::world::World;
 
 /// Parts of a budget.
@@ -227,7 +227,9 @@ impl<'a> Assigner<'a> {
             Job {
                 visits: match self.line(unit) {
                     Some(_) => unit.sites.iter().map(|place| at_line(*place)).collect(),
-                    None => visits(&task.stops, unit.sites.iter().copied()),
+                    None => visits(&task.stops, unit.sites.iter().copied(), &|stop| {
+                        self.longest_stay_s(task, stop)
+                    }),
                 },
                 form: match self.line(unit) {
                     Some(line) if line.is_reversible => Form::EitherWay,
@@ -238,7 +240,9 @@ impl<'a> Assigner<'a> {
             }
         });
         let own = fleet.iter().enumerate().map(|(index, vehicle)| Job {
-            visits: visits(&vehicle.stops, self.own_first() + 1..),
+            visits: visits(&vehicle.stops, self.own_first() + 1.., &|stop| {
+                vehicle.stay_s(stop)
+            }),
             form: Form::Open,
             vehicles: (0..fleet.len()).map(|other| other == index).collect(),
         });
@@ -252,6 +256,13 @@ impl<'a> Assigner<'a> {
     /// Number of places of tasks: the places of a vehicle have the numbers after them.
     fn own_first(&self) -> usize {
         self.starts.first().copied().unwrap_or(self.points.len())
+    }
+
+    /// How long any vehicle that may do a task stays at a place of it, seconds.
+    fn longest_stay_s(&self, task: &Task, stop: &Stop) -> f64 {
+        let able = self.spec.vehicles.iter().filter(|own| task.is_for(own));
+        let stays_s = able.map(|own| own.stay_s(stop));
+        stays_s.fold(stop.rest_s(), f64::max)
     }
 
     /// Whether the limits of altitude of a vehicle hold the places of a task.
@@ -364,10 +375,14 @@ fn at_line(place: usize) -> Visit {
 }
 
 /// The visits of stops at places.
-fn visits(stops: &[Stop], sites: impl Iterator<Item = usize>) -> Vec<Visit> {
+fn visits(
+    stops: &[Stop],
+    sites: impl Iterator<Item = usize>,
+    stay_s: &dyn Fn(&Stop) -> f64,
+) -> Vec<Visit> {
     let visit = |(stop, place): (&Stop, usize)| Visit {
         place,
-        rest: whole(stop.rest_s() * PER_SECOND),
+        rest: whole(stay_s(stop) * PER_SECOND),
         window: (stop.window_s).map(|window| {
             let units = |s: f64| u64::from(whole(s * PER_SECOND));
             // Actions begin a second after the vehicle has come to rest.

@@ -54,6 +54,17 @@ impl<'a> Judge<'a> {
         if !margins.iter().all(holds) {
             return None;
         }
+        self.executed(index, sortie)
+    }
+
+    /// Flies a mission, whether or not it keeps the limits of its vehicle. None for an index that
+    /// the spec does not have.
+    #[must_use]
+    pub fn fly(&self, index: usize, mission: &VehicleMission) -> Option<Executed<'a>> {
+        self.executed(index, self.sortie(index, mission)?)
+    }
+
+    fn executed(&self, index: usize, sortie: Sortie<'_>) -> Option<Executed<'a>> {
         let mut flight = sortie.flight;
         flight.stay_until(HORIZON_S);
         let mut chords = flight.chords;

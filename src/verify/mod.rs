@@ -219,6 +219,7 @@ use crate::spec::Span;
 
 /// The verdict on the missions of a fleet.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Review {
     /// Every limit with its worst value, violated or not.
     pub margins: Vec<Margin>,
@@ -230,6 +231,7 @@ pub struct Review {
 
 /// The worst value of one limit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Margin {
     /// Id of the vehicle.
     pub vehicle: String,

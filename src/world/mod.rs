@@ -7,6 +7,7 @@ mod load;
 mod mounds;
 mod reader;
 mod terrain;
+mod unit_warnings;
 mod zone;
 
 pub use departure::Departure;
@@ -18,6 +19,7 @@ pub use reader::{
     terrain_files,
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
+pub use unit_warnings::unit_warnings;
 pub use zone::PlanZone;
 
 use std::sync::Arc;

@@ -131,3 +131,91 @@ fn zones_are_converted_with_their_heights() {
     let refused = sortie(folder.path(), &["convert", "a.txt", "a.shp"]);
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
 }
+
+#[test]
+fn values_that_look_like_another_unit_are_warnings() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("feed.json"), feed(1)).unwrap();
+    let warned = |spec: &str| {
+        fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+        let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+        let err = text(&checked.stderr);
+        assert_eq!(checked.status.code(), Some(0), "{err}");
+        err
+    };
+    let usual = warned(SPEC);
+    assert!(!usual.contains("is it in"), "{usual}");
+    for (old, new, part) in [
+        (
+            "max_amsl_m: 1500",
+            "max_amsl_m: 4000",
+            "area.max_amsl_m: 4000 m is 3520 m above the highest start, goal or stop; is it in feet? Those are 1219 m",
+        ),
+        (
+            "max_amsl_m: 1500",
+            "max_amsl_m: 1500, max_agl_m: 400",
+            "area.max_agl_m: 400 m; is it in feet? Those are 122 m",
+        ),
+        (
+            "finish: land,",
+            "finish: land, max_agl_m: 400,",
+            "alpha: max_agl_m: 400 m; is it in feet?",
+        ),
+        (
+            "finish: land,",
+            "finish: land, max_climb_deg: 0.25,",
+            "alpha: max_climb_deg: 0.25 degrees; is it in radians? Those are 14.3 degrees",
+        ),
+        (
+            "finish: land,",
+            "finish: land, max_descent_deg: 0.2,",
+            "alpha: max_descent_deg: 0.2 degrees; is it in radians?",
+        ),
+        (
+            "speed_mps: 15",
+            "speed_mps: 54",
+            "alpha: speed_mps: 54 m/s; is it in km/h? Those are 15.0 m/s",
+        ),
+    ] {
+        let err = warned(&SPEC.replacen(old, new, 1));
+        assert!(err.contains(&format!("warning: {part}")), "{part}: {err}");
+        assert_eq!(err.matches("is it in").count(), 1, "{err}");
+    }
+    // Version 2 refuses such a speed, and asks the same.
+    let second = SPEC
+        .replace("sortie: 1", "sortie: 2")
+        .replace("speed_mps: 15", "speed_mps: 54");
+    fs::write(folder.path().join("zones.yaml"), second).unwrap();
+    let refused = text(&sortie(folder.path(), &["check", "zones.yaml"]).stderr);
+    assert!(
+        refused.contains("54 m/s: is it in km/h? Those are 15.0 m/s"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn zones_with_heights_that_no_fence_has_are_one_note_where_they_are_many() {
+    let folder = tempfile::tempdir().unwrap();
+    let low = feed(30).replace(
+        "\"lowerLimit\": 0",
+        "\"upperLimit\": 20, \"upperVerticalReference\": \"AGL\", \"lowerLimit\": 0",
+    );
+    fs::write(folder.path().join("feed.json"), low).unwrap();
+    fs::write(
+        folder.path().join("zones.yaml"),
+        SPEC.replace("speed_mps: 15", "speed_mps: 9"),
+    )
+    .unwrap();
+    let planned = sortie(folder.path(), &["plan", "zones.yaml", "--out", "o"]);
+    let out = text(&planned.stdout);
+    assert_eq!(planned.status.code(), Some(0), "{out}");
+    assert!(
+        out.contains("alpha: 30 zones have a height, a time or holes"),
+        "{out}"
+    );
+    assert!(
+        out.contains("not in the fence: Z0, Z1, ") && out.contains(", Z29"),
+        "{out}"
+    );
+    assert_eq!(out.matches("not in the fence").count(), 1, "{out}");
+}

@@ -255,3 +255,18 @@ fn the_mission_of_the_readme_prints_the_table_of_the_readme() {
     assert_eq!(planned.status.code(), Some(0), "{}", text(&planned.stderr));
     assert_eq!(cells(&text(&planned.stdout)), cells(&block("text")));
 }
+
+#[test]
+fn the_whole_mission_of_the_page_on_tasks_plans() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let page = fs::read_to_string(root.join("guide/tasks.md")).unwrap();
+    let mut blocks = page.split("```yaml\n").skip(1);
+    let whole = blocks
+        .find(|block| block.starts_with("sortie: 2"))
+        .expect("a whole spec");
+    let spec = whole.split("```").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("parcels.yaml"), spec).unwrap();
+    let planned = sortie(folder.path(), &["plan", "parcels.yaml"]);
+    assert_eq!(planned.status.code(), Some(0), "{planned:?}");
+}

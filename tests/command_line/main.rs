@@ -6,5 +6,6 @@ mod support;
 mod airspace;
 mod begin;
 mod cli;
+mod many_zones;
 mod migrate;
 mod whole_line;

@@ -561,6 +561,44 @@ fn a_copter_takes_its_pictures_and_says_so() {
 }
 
 #[test]
+fn a_copter_places_its_load_on_the_ground_and_flies_on() {
+    let mut alpha = sky::lane("alpha", 1, 36.30);
+    alpha.speed_mps = 9.0;
+    let end = EndPoint {
+        place: place(36.302, -84.254),
+        altitude: Placement::Agl(Agl(80.0)),
+    };
+    let max_descent_m = None;
+    alpha.stops = vec![Stop {
+        actions: vec![
+            StopAction::PayloadPlace { max_descent_m },
+            StopAction::Photo,
+        ],
+        ..Stop::passing("yard", end)
+    }];
+    let plan = plan(vec![alpha], OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    assert!(sky.says("alpha", "releasing"), "{:?}", sky.events);
+    assert!(
+        sky.says("alpha", "picture 1 (stop yard)"),
+        "{:?}",
+        sky.events
+    );
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    let (_, track) = sky.fleet.flown().next().expect("flown");
+    let at = plan.world.stations[0].stops[0].at;
+    let below = track
+        .fixes
+        .iter()
+        .filter(|fix| plan.world.frame.to_plan(fix.place).distance_m(at) < 3.0);
+    let lowest_m = below.map(|fix| fix.amsl.0).fold(f64::INFINITY, f64::min);
+    let ground_m = plan.world.stations[0].stops[0].amsl.0 - 80.0;
+    assert!((lowest_m - ground_m).abs() < 1.0, "{lowest_m} {ground_m}");
+}
+
+#[test]
 fn a_copter_takes_pictures_along_its_way() {
     let mut alpha = sky::lane("alpha", 1, 36.30);
     alpha.speed_mps = 9.0;

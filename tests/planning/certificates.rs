@@ -67,3 +67,57 @@ fn the_checker_accepts_a_certificate_and_rejects_every_corrupted_one() {
     assert_eq!(found["tried"], 110);
     assert_eq!(found["accepted"], serde_json::json!([]), "{found}");
 }
+
+const TASKS: &str = "tasks:
+  - {id: post, visit: {lat: 36.325, lon: -84.20, agl_m: 80, hold_s: 5}}
+  - {id: parcel, deliver: {from: {lat: 36.33, lon: -84.33, agl_m: 80}, to: {lat: 36.335, lon: -84.28, agl_m: 80}}}
+";
+
+#[test]
+fn the_routes_between_the_stops_of_tasks_are_certified_as_the_plan_has_them() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    std::fs::write(folder.path().join("hill.yaml"), format!("{SPEC}{TASKS}")).expect("a spec");
+    let arguments = ["certify", "hill.yaml", "plan", "--cells", "20", "--json"];
+    let early = command::sortie(folder.path(), &arguments);
+    assert_eq!(early.status.code(), Some(3), "{early:?}");
+    assert!(
+        command::text(&early.stderr).contains("run sortie plan"),
+        "{early:?}"
+    );
+    let plan = command::sortie(folder.path(), &["plan", "hill.yaml", "--out", "plan"]);
+    assert!(plan.status.success(), "{plan:?}");
+    let output = command::sortie(folder.path(), &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let gap = printed["vehicles"][0]["gap"].as_f64().expect("a gap");
+    assert!((0.0..0.10).contains(&gap), "{gap}");
+    let check = || {
+        let checked = Command::new(&python)
+            .arg(root.join("tools/check_certificate.py"))
+            .arg(folder.path().join("hill.yaml"))
+            .arg(folder.path().join("plan"))
+            .output();
+        checked.expect("python starts")
+    };
+    assert_eq!(check().status.code(), Some(0), "{:?}", check());
+    // A plan that has the parcel elsewhere is not one of these tasks.
+    let path = folder.path().join("plan/plan.json");
+    let mut plan: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(&path).expect("a plan")).expect("JSON");
+    let moved = plan["vehicles"][0]["stops"][0]["lat_deg"]
+        .as_f64()
+        .expect("a place")
+        + 0.001;
+    plan["vehicles"][0]["stops"][0]["lat_deg"] = moved.into();
+    std::fs::write(&path, plan.to_string()).expect("written");
+    let rejected = check();
+    assert_eq!(rejected.status.code(), Some(1), "{rejected:?}");
+    assert!(
+        command::text(&rejected.stdout).contains("not where the spec has it"),
+        "{rejected:?}"
+    );
+}

@@ -5,6 +5,7 @@ mod support;
 
 mod altitude_limits;
 mod anytime;
+mod assignment;
 mod bound;
 mod certificates;
 mod cost;

@@ -515,3 +515,59 @@ fn start_and_goal_have_actions_and_pictures_are_taken_along_the_way() {
         assert!((track.t_s - flight.points.last().expect("planned").t_s).abs() < 15.0);
     }
 }
+
+#[test]
+fn a_payload_is_placed_below_a_stop_and_the_verdict_holds_the_item_against_the_spec() {
+    let mut spec = round(Autopilot::ArduPilot);
+    let place = |max_descent_m| StopAction::PayloadPlace { max_descent_m };
+    spec.vehicles[0].stops[0].actions =
+        vec![StopAction::Photo, place(Some(100.0)), StopAction::Photo];
+    spec.vehicles[0].on_way.goal = vec![place(None)];
+    let (world, done) = dispatched(&spec);
+    let mission = &done.missions[0].1;
+    let items = mission.items.iter().enumerate();
+    let placed: Vec<usize> = items
+        .filter(|(_, item)| item.command == command::NAV_PAYLOAD_PLACE)
+        .map(|(index, _)| index)
+        .collect();
+    assert_eq!(placed.len(), 2);
+    assert_eq!(mission.items[placed[0]].params[0], 100.0);
+    assert_eq!(mission.items[placed[1]].params[0], 0.0);
+    let speed = mission
+        .params
+        .iter()
+        .find(|param| param.name == "PLDP_SPEED_DN");
+    assert_eq!(speed.map(|param| param.value), Some(0.0));
+    // It is flown down to the ground and up again, in the planned time.
+    let moments = &done.review.tracks[0].moments;
+    let lowest = moments.iter().filter(|at| at.item == placed[0] + 1);
+    let lowest = lowest.map(|at| at.amsl.0).fold(f64::INFINITY, f64::min);
+    assert!((lowest - 400.0).abs() < 0.01, "{lowest}");
+    let planned = done.plan.flights(&spec, &world)[0]
+        .points
+        .last()
+        .expect("planned")
+        .t_s;
+    let flown = moments.last().expect("flown").t_s;
+    assert!((planned - flown).abs() < 15.0, "{planned} {flown}");
+    let judged = |change: &dyn Fn(&mut Vec<Item>)| {
+        let mut changed = mission.clone();
+        change(&mut changed.items);
+        failed(&review(&spec, &world, &[(0, &changed)]))
+    };
+    for (change, what) in [
+        (
+            &(|items: &mut Vec<Item>| {
+                items.remove(placed[0]);
+            }) as &dyn Fn(&mut Vec<Item>),
+            "north",
+        ),
+        (&|items| items[placed[0]].params[0] = 60.0, "north"),
+        (&|items| items[placed[1]].x += 3000, "goal"),
+    ] {
+        let failed = judged(change);
+        let action = format!("actions at stop {what}: action");
+        let named = |line: &String| line.starts_with(&action) && line.contains("payload_place");
+        assert!(failed.iter().any(named), "{what}: {failed:?}");
+    }
+}

@@ -12,7 +12,7 @@ use sortie::mission::{Item, VehicleMission, command};
 use sortie::spec::*;
 use sortie::verify::{Limit, Review, review};
 use sortie::world::World;
-use support::{copter, empty_spec, place, world};
+use support::{copter, empty_spec, peers, place, world};
 
 /// 359 m from west to east and 277 m from south to north.
 const FIELD: [(f64, f64); 4] = [
@@ -338,4 +338,28 @@ fn the_survey_mission_passes_over_the_ridge() {
         "{:?}",
         tasks.done
     );
+}
+
+#[test]
+fn what_the_survey_mission_shows_and_how_far_it_flies_is_counted_apart() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let spec = root.join("missions/survey.yaml").display().to_string();
+    let out = folder.path().join("o").display().to_string();
+    let planned = support::command::sortie(root, &["plan", &spec, "--out", &out]);
+    assert!(planned.status.success(), "{planned:?}");
+    let counted = std::process::Command::new(&python)
+        .arg(root.join("tools/check_coverage.py"))
+        .args([&spec, &out])
+        .output()
+        .expect("python starts");
+    let counted: serde_json::Value = serde_json::from_slice(&counted.stdout).expect("JSON");
+    let number = |key: &str| counted[key].as_f64().expect("a number");
+    assert!(number("share") >= 0.995, "{counted}");
+    // Lines and turns, without ferries, against the least that parallel tracks can have.
+    assert!(number("ratio") <= 1.10, "{counted}");
+    assert!((number("area_m2") - 509e3).abs() < 1e3, "{counted}");
 }

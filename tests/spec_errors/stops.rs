@@ -203,3 +203,51 @@ fn actions_are_read_and_what_is_wrong_with_one_is_reported_at_its_place() {
     let issue = found.iter().find(is_refused).expect("refused");
     assert!(issue.found.contains("DO_SET_SERVO"), "{}", issue.found);
 }
+
+#[test]
+fn a_payload_is_placed_by_an_arducopter_from_a_height_above_ground() {
+    let at = |place: &str, action: &str| {
+        stops(&format!(
+            "{{id: t1, lat: 36.22, lon: -84.30, {place}, actions: [{{payload_place: {action}}}]}}"
+        ))
+    };
+    let spec = good(&with(ALPHA, &at("agl_m: 80", "{max_descent_m: 100}")));
+    let vehicle = &spec.vehicles[0];
+    let stop = &vehicle.stops[0];
+    let max_descent_m = Some(100.0);
+    assert_eq!(
+        stop.actions,
+        [sortie::spec::StopAction::PayloadPlace { max_descent_m }]
+    );
+    // Down at 0.5 m/s, up at 4 m/s, 5 s on the ground.
+    let below_s = vehicle.stay_s(stop) - stop.rest_s();
+    assert!(
+        (below_s - (80.0 / 0.5 + 5.0 + 80.0 / 4.0)).abs() < 1e-9,
+        "{below_s}"
+    );
+    let own = "vehicles[0].stops[0].actions[0].payload_place";
+    let (path, text) = only(ALPHA, &at("amsl_m: 600", "{}"));
+    assert!(path == own && text.contains("agl_m"), "{text}");
+    let (path, text) = only(ALPHA, &at("agl_m: 80", "{max_descent_m: 60}"));
+    assert!(
+        path == format!("{own}.max_descent_m") && text.contains("80 m below"),
+        "{text}"
+    );
+    for (old, new, part) in [
+        (
+            "autopilot: ardupilot",
+            "autopilot: px4",
+            "PX4 refuses NAV_PAYLOAD_PLACE in a mission",
+        ),
+        (
+            "airframe: copter",
+            "airframe: vtol",
+            "on a wing, which does not hover",
+        ),
+    ] {
+        let text = with(ALPHA, &at("agl_m: 80", "{}")).replacen(old, new, 1);
+        let found = issues(&text);
+        let is_it = |issue: &sortie::spec::Issue| issue.path == own && issue.found.contains(part);
+        assert!(found.iter().any(is_it), "{found:?}");
+    }
+}

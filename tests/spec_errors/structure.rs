@@ -119,6 +119,79 @@ fn a_wrong_type_is_named_with_its_place() {
 }
 
 #[test]
+fn everything_wrong_with_keys_and_types_is_reported_at_once_and_hides_no_meaning() {
+    let text = FULL
+        .replace("name: full\n", "")
+        .replace("  min_agl_m: 60\n", "")
+        .replace("radius_m: 3000", "radius: 3000")
+        .replace("kind: radar,", "colour: red,")
+        .replace("lat: 36.22,", "lat: north,")
+        .replace("    finish: land\n", "    finish: crash\n")
+        .replace("    speed_mps: 12\n", "")
+        .replace("sysid: 2\n", "sysid: 1\n")
+        .replace("from_deg: 270", "from_deg: 400");
+    let found = issues(&text);
+    let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();
+    let expected = [
+        ("", "missing field `name`"),
+        ("area", "missing field `min_agl_m`"),
+        ("threats[0].colour", "unknown field `colour`"),
+        ("threats[0].radius", "did you mean `radius_m`?"),
+        ("rally[0].lat", "\"north\""),
+        ("vehicles[0].finish", "crash"),
+        ("vehicles[1].sysid", "1"),
+        ("vehicles[1]", "missing field `speed_mps`"),
+        ("wind.from_deg", "400"),
+    ];
+    for (path, part) in expected {
+        let is_it = |issue: &&Issue| issue.path == path && issue.found.contains(part);
+        assert!(
+            found.iter().any(|issue| is_it(&issue)),
+            "{path} {part}: {found:#?}"
+        );
+    }
+    assert_eq!(found.len(), expected.len(), "{paths:?}");
+    assert!(
+        found.iter().all(|issue| issue.position.is_some()),
+        "{found:#?}"
+    );
+    assert!(found.is_sorted_by_key(|issue| issue.position), "{paths:?}");
+    // A key that means nothing hides no missing one.
+    let text = FULL.replace("    finish: return\n", "    colour: red\n");
+    let found: Vec<String> = issues(&text).into_iter().map(|issue| issue.found).collect();
+    assert_eq!(found, ["missing field `finish`", "unknown field `colour`"]);
+    let (_, text) = only(
+        "origin: {lat: 36.30, lon: -84.25}",
+        "orign: {lat: 36.30, lon: -84.25}",
+    );
+    assert!(text.contains("did you mean `origin`?"), "{text}");
+}
+
+#[test]
+fn what_hangs_on_a_broken_value_is_not_reported_as_well() {
+    // Without an area nothing is outside of it; without a corner of a polygon no edges cross.
+    for (old, new) in [
+        ("  south_west: {lat: 36.20, lon: -84.40}\n", ""),
+        (
+            "  south_west: {lat: 36.20, lon: -84.40}",
+            "  south_west: {lat: south, lon: -84.40}",
+        ),
+        ("[36.36, -84.20]", "[36.36, east]"),
+        (
+            "  analytic:\n    base_amsl_m: 300\n",
+            "  analytic:\n    base_amsl_m: low\n",
+        ),
+        ("sortie: 1\n", ""),
+    ] {
+        only(old, new);
+    }
+    let missing = FULL.replace("origin:", "airspace: [{file: none.geojson}]\norigin:");
+    let found = issues(&missing.replace("from_deg: 270", "from_deg: 400"));
+    let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();
+    assert_eq!(paths, ["airspace[0].file", "wind.from_deg"]);
+}
+
+#[test]
 fn a_key_given_twice_is_an_error_where_it_stands_again() {
     let text = with(
         "    speed_mps: 12\n",

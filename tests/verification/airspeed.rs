@@ -68,10 +68,10 @@ fn a_copter_is_held_against_what_its_lean_angle_allows() {
 #[test]
 fn a_wind_counts_on_each_leg_as_it_blows_there() {
     // From the west, with the wind and against it; from the north, across.
-    for (from_deg, is_east, through_mps) in [
-        (270.0_f64, true, 4.0),
-        (270.0, false, 14.0),
-        (0.0, true, 9.0_f64.hypot(5.0)),
+    for (from_deg, is_east, through_mps, most_over_ground) in [
+        (270.0_f64, true, 4.0, None),
+        (270.0, false, 14.0, Some("4.5 at most")),
+        (0.0, true, 9.0_f64.hypot(5.0), Some("8.0 at most")),
     ] {
         let (mut spec, mission) = flown_at(9.0, is_east);
         spec.wind = Some(Wind {
@@ -84,6 +84,8 @@ fn a_wind_counts_on_each_leg_as_it_blows_there() {
             "{from_deg}: {found:?}"
         );
         assert_eq!(found.ok, through_mps < 9.5, "{from_deg}: {found:?}");
+        let named = most_over_ground.unwrap_or_default();
+        assert!(found.note.ends_with(named), "{from_deg}: {found:?}");
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use clap::builder::RangedU64ValueParser;
 
-use crate::study::MAX_DELIVERIES;
+use crate::study::{Family, MAX_DELIVERIES};
 
 #[derive(Debug, Subcommand)]
 pub(in crate::cli) enum Study {
@@ -19,7 +19,8 @@ pub(in crate::cli) enum Study {
     Speed(Speed),
     /// Plan fleets of growing size: time, memory, evaluations, violations, cost
     Fleet(FleetStudy),
-    /// Generate a mission spec from a seed: ridges, belts of threats, dead ends, narrow passes
+    /// Generate a mission spec from a seed: ridges, belts of threats, dead ends, narrow passes, or
+    /// a problem of a family
     Scenario(Scenario),
 }
 
@@ -69,8 +70,11 @@ pub(in crate::cli) struct Scenario {
     #[arg(long, value_name = "N")]
     pub(in crate::cli) seed: u64,
     /// From 1 (5 threats, some kilometres) to 10 (40 threats, up to 200 km)
-    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=10))]
-    pub(in crate::cli) difficulty: u8,
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=10), required_unless_present = "family")]
+    pub(in crate::cli) difficulty: Option<u8>,
+    /// A problem of a family instead: walls, maze, city, gaps, far, canyon, plateau, rough, overflight
+    #[arg(long, value_name = "NAME", value_parser = crate::cli::study::parse_family, conflicts_with = "difficulty")]
+    pub(in crate::cli) family: Option<Family>,
     /// Write to a file instead of stdout
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: Option<PathBuf>,
@@ -132,6 +136,9 @@ pub(in crate::cli) struct Planner {
     /// Add generated missions of these seeds to SPECS
     #[arg(long, value_name = "FIRST-LAST", value_parser = crate::cli::study::parse_range)]
     pub(in crate::cli) generated: Option<std::ops::RangeInclusive<u64>>,
+    /// Add problems of a family, seeds FIRST to LAST; repeatable, see `study scenario --help`
+    #[arg(long = "family", value_name = "NAME=FIRST-LAST", value_parser = crate::cli::study::parse_families)]
+    pub(in crate::cli) families: Vec<(Family, std::ops::RangeInclusive<u64>)>,
     /// Folder of the shipped missions
     #[arg(long, value_name = "DIR", default_value = "missions")]
     pub(in crate::cli) missions: PathBuf,

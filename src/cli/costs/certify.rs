@@ -11,44 +11,24 @@ use crate::cli::print::console::{note, out_json};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::progress::Progress;
 use crate::cli::print::table::Rows;
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::plan::certify;
 use crate::report::{CertificateDocument, certificate_document};
-use crate::spec::{Order, SpecFile};
-use crate::world;
+use crate::spec::{EndPoint, MissionSpec, Order, Placement, SpecFile, Stop, Vehicle};
+use crate::world::{self, World};
 
 pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
     let file = SpecFile::read(&arguments.spec)?;
     let world = world::load(&file)?;
-    let spec = &file.spec;
-    let chosen: Vec<usize> = (0..spec.vehicles.len())
-        .filter(|&index| {
-            let asked = arguments.vehicle.as_ref();
-            asked.is_none_or(|id| *id == spec.vehicles[index].id)
-        })
-        .collect();
-    if chosen.is_empty() {
-        let known: Vec<&str> = spec.vehicles.iter().map(|one| one.id.as_str()).collect();
-        let id = arguments.vehicle.as_deref().unwrap_or_default();
-        let text = format!("no vehicle {id} (there are: {})", known.join(", "));
-        return Err(Failure::new(Failure::USAGE, text));
-    }
-    let free = chosen.iter().map(|&index| &spec.vehicles[index]);
-    if let Some(vehicle) = free
-        .into_iter()
-        .find(|vehicle| vehicle.order == Order::Free)
-    {
-        let text = format!(
-            "{}: `order: free`: only routes in a fixed order are certified",
-            vehicle.id
-        );
-        return Err(Failure::new(Failure::INPUT, text));
-    }
-    if !file.spec.tasks.is_empty() {
-        let text = "`tasks`: only the routes of a spec without tasks are certified";
-        return Err(Failure::new(Failure::INPUT, text.to_owned()));
-    }
+    let chosen = chosen(arguments, &file.spec)?;
     let hash = folder::sha256(&file.text);
     let plan = planned(&arguments.folder, &hash)?;
+    let (mut flown, mut world) = (file.spec.clone(), world);
+    if !file.spec.tasks.is_empty() {
+        stops_of_tasks(plan.as_ref(), &mut flown, &mut world)?;
+        note("of the stops that the plan gives each vehicle for its tasks, in their order");
+    }
+    let spec = &flown;
     let progress = Progress::start();
     let vehicles = chosen.iter().map(|&index| {
         let id = &spec.vehicles[index].id;
@@ -70,6 +50,66 @@ pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
     replace::write_file(&path, &text)?;
     print(&document, plan.as_ref(), arguments.json)?;
     note(&format!("certificate in {}", path.display()));
+    Ok(())
+}
+
+/// The vehicles that are asked for, whose routes are in a fixed order.
+fn chosen(arguments: &args::Certify, spec: &MissionSpec) -> Result<Vec<usize>, Failure> {
+    let is_asked = |vehicle: &Vehicle| {
+        let asked = arguments.vehicle.as_ref();
+        asked.is_none_or(|id| *id == vehicle.id)
+    };
+    let fleet = spec.vehicles.iter().enumerate();
+    let chosen: Vec<(usize, &Vehicle)> = fleet.filter(|(_, one)| is_asked(one)).collect();
+    if chosen.is_empty() {
+        let known: Vec<&str> = spec.vehicles.iter().map(|one| one.id.as_str()).collect();
+        let id = arguments.vehicle.as_deref().unwrap_or_default();
+        let text = format!("no vehicle {id} (there are: {})", known.join(", "));
+        return Err(Failure::new(Failure::USAGE, text));
+    }
+    let mut free = chosen.iter().filter(|(_, one)| one.order == Order::Free);
+    if let Some((_, vehicle)) = free.next() {
+        let text = format!(
+            "{}: `order: free`: only routes in a fixed order are certified",
+            vehicle.id
+        );
+        return Err(Failure::new(Failure::INPUT, text));
+    }
+    Ok(chosen.into_iter().map(|(index, _)| index).collect())
+}
+
+/// Gives each vehicle the stops that the plan has for its tasks, where and in the order in which they are
+/// in it.
+fn stops_of_tasks(
+    plan: Option<&Value>,
+    spec: &mut MissionSpec,
+    world: &mut World,
+) -> Result<(), Failure> {
+    let input = |text: &str| Failure::new(Failure::INPUT, text.to_owned());
+    let plan = plan.ok_or_else(|| {
+        input("`tasks`: the folder has no plan of this spec, which says who does them: run sortie plan")
+    })?;
+    for (index, vehicle) in spec.vehicles.iter_mut().enumerate() {
+        let mut planned = plan["vehicles"].as_array().into_iter().flatten();
+        let own = planned.find(|own| own["id"] == vehicle.id.as_str());
+        let stops = own.and_then(|own| own["stops"].as_array());
+        let (mut made, mut points) = (Vec::new(), Vec::new());
+        for stop in stops.into_iter().flatten() {
+            let number = |key: &str| stop[key].as_f64();
+            let place = number("lat_deg").zip(number("lon_deg"));
+            let place = place.and_then(|(lat, lon)| LatLon::new(lat, lon).ok());
+            let (Some(place), Some(amsl_m)) = (place, number("amsl_m")) else {
+                return Err(input("plan.json: a stop without its place: plan again"));
+            };
+            let id = stop["id"].as_str().unwrap_or_default();
+            let altitude = Placement::Amsl(Amsl(amsl_m));
+            made.push(Stop::passing(id, EndPoint { place, altitude }));
+            let (at, amsl) = (world.frame.to_plan(place), Amsl(amsl_m));
+            points.push(PlanPoint { at, amsl });
+        }
+        vehicle.stops = made;
+        world.stations[index].stops = points;
+    }
     Ok(())
 }
 

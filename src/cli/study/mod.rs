@@ -11,9 +11,9 @@ use super::args;
 use super::print::console::{out, out_json, out_text};
 use super::print::failure::Failure;
 use crate::study::{
-    BestKnown, Config, ConfigError, Job, MapText, PlannerRun, PlannerStudy, Progress, Results,
-    Store, StoreError, Study, merge, planner_md, read_kind, run, scenario, speed, write_results,
-    write_whole,
+    BestKnown, Config, ConfigError, Family, Job, MapText, PlannerRun, PlannerStudy, Progress,
+    Results, Store, StoreError, Study, merge, planner_md, read_kind, run, scenario, speed,
+    write_results, write_whole,
 };
 
 pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
@@ -66,7 +66,10 @@ fn print_speed(arguments: &args::Speed) -> Result<(), Failure> {
 }
 
 fn write_scenario(arguments: &args::Scenario) -> Result<(), Failure> {
-    let text = scenario(arguments.seed, arguments.difficulty);
+    let text = match (arguments.family, arguments.difficulty) {
+        (Some(family), _) => family.problem(arguments.seed),
+        (None, difficulty) => scenario(arguments.seed, difficulty.unwrap_or(1)),
+    };
     let Some(path) = &arguments.output else {
         return out_text(&text);
     };
@@ -161,6 +164,24 @@ pub(super) fn parse_range(text: &str) -> Result<std::ops::RangeInclusive<u64>, S
     ends.filter(|(first, last)| first <= last && last - first < 10_000)
         .map(|(first, last)| first..=last)
         .ok_or_else(|| "not FIRST-LAST, such as 101-120".to_owned())
+}
+
+/// A family by its name.
+pub(super) fn parse_family(text: &str) -> Result<Family, String> {
+    Family::named(text).ok_or_else(|| {
+        let names = Family::ALL.map(Family::name);
+        format!("not one of {}", names.join(", "))
+    })
+}
+
+/// A family and seeds, such as `walls=1-5`.
+pub(super) fn parse_families(
+    text: &str,
+) -> Result<(Family, std::ops::RangeInclusive<u64>), String> {
+    let (name, seeds) = text
+        .split_once('=')
+        .ok_or_else(|| "not NAME=FIRST-LAST, such as walls=1-5".to_owned())?;
+    Ok((parse_family(name)?, parse_range(seeds)?))
 }
 
 impl From<ConfigError> for Failure {

@@ -84,7 +84,9 @@ fn print_results(
 
 /// The requested missions; by default the paper's, the shipped and the unseen generated ones.
 fn missions(arguments: &args::Planner) -> Result<Vec<MissionText>, Failure> {
-    let is_default = arguments.specs.is_empty() && arguments.generated.is_none();
+    let is_default = arguments.specs.is_empty()
+        && arguments.generated.is_none()
+        && arguments.families.is_empty();
     let (mut all, generated) = if is_default {
         let mut all = MissionText::paper()?;
         all.extend(MissionText::shipped(&arguments.missions)?);
@@ -95,6 +97,11 @@ fn missions(arguments: &args::Planner) -> Result<Vec<MissionText>, Failure> {
     };
     for seed in generated.into_iter().flatten() {
         all.push(MissionText::generated(seed)?);
+    }
+    for (family, seeds) in &arguments.families {
+        for seed in seeds.clone() {
+            all.push(MissionText::of_family(*family, seed)?);
+        }
     }
     Ok(all)
 }

@@ -80,13 +80,7 @@ impl<'a> Conflicts<'a> {
     /// Variants of a vehicle, the cheapest first, and of equals that which departs the nearest
     /// to the specified time.
     pub(super) fn cheapest_first(&self, vehicle: usize) -> Vec<usize> {
-        let all = &self.fleet[vehicle].all;
-        let mut order: Vec<usize> = (0..all.len()).collect();
-        order.sort_by(|&a, &b| {
-            let by_cost = all[a].cost.total_cmp(&all[b].cost);
-            by_cost.then(all[a].later_s.abs().total_cmp(&all[b].later_s.abs()))
-        });
-        order
+        self.fleet[vehicle].cheapest_first()
     }
 
     /// Adds variants of a vehicle at random.

@@ -24,30 +24,30 @@ const EVENLY: f64 = 1e-3;
 const NUDGES: [f64; 4] = [1.0, 0.4, 0.15, 0.05];
 
 /// A path, a speed and a departure.
-pub(super) struct Variant {
+pub(in crate::dispatch) struct Variant {
     shape: Shape,
     terms: CostTerms,
     /// Which of the speeds.
     speed: usize,
     pub(super) later_s: f64,
-    pub(super) cost: f64,
+    pub(in crate::dispatch) cost: f64,
 }
 
 /// What one vehicle may fly.
-pub(super) struct Variants<'a> {
+pub(in crate::dispatch) struct Variants<'a> {
     index: usize,
     shapers: Vec<Shaper<'a>>,
     /// Departures that are tried, after the specified one.
     later_s: Vec<f64>,
     /// The first is the path alone as specified.
-    pub(super) all: Vec<Variant>,
+    pub(in crate::dispatch) all: Vec<Variant>,
 }
 
 impl<'a> Variants<'a> {
     /// Around the path of a vehicle alone, at the departures and speeds that the spec leaves open.
     /// None where paths have no shapes that could be moved. With its control points evenly apart
     /// a path bends alike everywhere, and like those of others.
-    pub(super) fn new(
+    pub(in crate::dispatch) fn new(
         (spec, world): (&'a MissionSpec, &'a World),
         index: usize,
         alone: &VehiclePlan,
@@ -86,6 +86,18 @@ impl<'a> Variants<'a> {
         (!found.all.is_empty()).then_some(found)
     }
 
+    /// All of them, the cheapest first, and of equals that which departs the nearest to the
+    /// specified time.
+    pub(in crate::dispatch) fn cheapest_first(&self) -> Vec<usize> {
+        let all = &self.all;
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by(|&a, &b| {
+            let by_cost = all[a].cost.total_cmp(&all[b].cost);
+            by_cost.then(all[a].later_s.abs().total_cmp(&all[b].later_s.abs()))
+        });
+        order
+    }
+
     /// Adds the shapes that break no limit, at some departures.
     fn add(&mut self, shapes: Vec<Shape>, speed: usize, times: &[f64]) {
         let terms = self.shapers[speed].terms(&shapes);
@@ -103,7 +115,7 @@ impl<'a> Variants<'a> {
     }
 
     /// Adds shapes around the first at random, each at one of the departures and speeds.
-    pub(super) fn add_random(&mut self, count: usize, rng: &mut ChaCha8Rng) {
+    pub(in crate::dispatch) fn add_random(&mut self, count: usize, rng: &mut ChaCha8Rng) {
         let Some(shape) = self.all.first().map(|first| first.shape.clone()) else {
             return;
         };
@@ -122,7 +134,12 @@ impl<'a> Variants<'a> {
 
     /// Adds variants near to one, at random: bent a little, or drawn towards the first, and where
     /// the spec leaves it open sometimes at another departure or speed.
-    pub(super) fn add_near(&mut self, variant: usize, count: usize, rng: &mut ChaCha8Rng) {
+    pub(in crate::dispatch) fn add_near(
+        &mut self,
+        variant: usize,
+        count: usize,
+        rng: &mut ChaCha8Rng,
+    ) {
         let separation = self.shapers[0].spec().buffered_separation();
         for _ in 0..count {
             let (own, first) = (&self.all[variant], &self.all[0]);
@@ -201,7 +218,7 @@ impl<'a> Variants<'a> {
     }
 
     /// The flight of a variant as it is encoded; none if its mission breaks a limit of its own.
-    pub(super) fn executed(
+    pub(in crate::dispatch) fn executed(
         &self,
         judge: &Judge<'a>,
         world: &World,
@@ -219,7 +236,7 @@ impl<'a> Variants<'a> {
     }
 
     /// The plan of a variant.
-    pub(super) fn plan(&self, variant: usize) -> VehiclePlan {
+    pub(in crate::dispatch) fn plan(&self, variant: usize) -> VehiclePlan {
         let own = &self.all[variant];
         let mut shape = own.shape.clone();
         shape.depart_s += own.later_s;

@@ -88,7 +88,8 @@ impl TubeWatch {
             Airframe::Copter | Airframe::Vtol => {
                 let takeoff = self.takeoff.as_ref();
                 let climbs = takeoff.is_some_and(|of| of.climbs(here.fix.item, here.point.at));
-                near(home) || climbs || plan.lands && (near(last) || is_down)
+                let puts_down = plan.dips_at(here.fix.item, here.point.at);
+                near(home) || climbs || puts_down || plan.lands && (near(last) || is_down)
             }
         }
     }

@@ -124,7 +124,7 @@ impl<'a> FlownTrack<'a> {
     }
 
     /// Indices of positions on the route: neither in the column of the takeoff nor in that
-    /// of the landing; of a plane, neither on its climb-out nor on its glide.
+    /// of the landing, nor below a place where a load is put down; of a plane, neither on its climb-out nor on its glide.
     pub(super) fn on_route(&self) -> impl Iterator<Item = usize> {
         let first = self.flight.plans.first().map(|plan| &plan.reference);
         let home = first.and_then(|plan| plan.waypoints.first().map(|w| w.point.at));
@@ -147,7 +147,10 @@ impl<'a> FlownTrack<'a> {
             match self.airframe {
                 Airframe::Plane => !self.rises(index) && !self.glides(index),
                 Airframe::Copter | Airframe::Vtol => {
-                    !self.rises(index) && !near(home, COLUMN_M) && !near(end, end_m)
+                    let item = self.fixes()[index].item;
+                    let plan = self.plan(index);
+                    let puts_down = plan.is_some_and(|plan| plan.dips_at(item, at));
+                    !self.rises(index) && !near(home, COLUMN_M) && !near(end, end_m) && !puts_down
                 }
             }
         })

@@ -1,5 +1,6 @@
 //! The planned flight of one vehicle, as what is flown is held against it.
 
+use super::COLUMN_M;
 use crate::flight::record::fix::Fix;
 use crate::geodesy::{AboveHome, Agl, Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
@@ -91,6 +92,21 @@ impl Reference {
         };
         reference.take_times(&track.moments, world);
         reference
+    }
+
+    /// Whether a place is in the column of an item to which the vehicle comes straight down between two
+    /// waypoints, and from which it rises again: it puts down a load.
+    pub(crate) fn dips_at(&self, item: usize, at: EastNorth) -> bool {
+        let is_above = |top: &Waypoint, low: &Waypoint| {
+            top.point.at.distance_m(low.point.at) < CHORD_M && top.point.amsl.0 > low.point.amsl.0
+        };
+        let mut interior = self.waypoints.windows(3).skip(1);
+        interior.any(|of| {
+            of[1].item == item
+                && is_above(&of[0], &of[1])
+                && is_above(&of[2], &of[1])
+                && of[1].point.at.distance_m(at) < COLUMN_M
+        })
     }
 
     /// Whether a place is about on the circle that the flight ends with.
@@ -348,7 +364,8 @@ fn point(
                 amsl: amsl(Some(place))?,
             })
         }
-        command::NAV_LAND | command::NAV_VTOL_LAND => {
+        // Down to the ground, from the waypoint before it to the one after it.
+        command::NAV_LAND | command::NAV_VTOL_LAND | command::NAV_PAYLOAD_PLACE => {
             let at = place().map_or(before.at, |place| world.frame.to_plan(place));
             let amsl = ground(world.frame.from_plan(at))?;
             Some(PlanPoint { at, amsl })

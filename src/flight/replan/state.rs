@@ -135,6 +135,12 @@ impl VehicleState {
         };
         let reference = Reference::new(&held, &no_times, &plan.world);
         let (origin, mut ahead) = split_path(&reference, row);
+        // A load is put down at a stop: no waypoint of its own.
+        let puts_down = |index: usize| {
+            let item = held.items.get(index);
+            item.is_some_and(|item| item.command == command::NAV_PAYLOAD_PLACE)
+        };
+        ahead.retain(|(index, _)| !puts_down(*index));
         let stands = observed.position.above_home_m() < AIRBORNE_M;
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some((_, top))) = (rising, ahead.first_mut()) {
@@ -327,7 +333,9 @@ impl VehicleState {
 /// Index of the first item after a waypoint that is more than something done there.
 fn after_actions(items: &[Item], waypoint: usize) -> usize {
     let rest = items.iter().skip(waypoint + 1);
-    let is_action = |item: &&Item| item.command > command::NAV_LAST;
+    let is_action = |item: &&Item| {
+        item.command > command::NAV_LAST || item.command == command::NAV_PAYLOAD_PLACE
+    };
     waypoint + 1 + rest.take_while(is_action).count()
 }
 

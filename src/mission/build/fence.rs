@@ -116,7 +116,7 @@ fn fitted(
                 items.extend(&boundary.items);
                 continue;
             }
-            Outline::Circle(center, radius_m) => Shape::Circle(plane.flat(center), radius_m),
+            Outline::Circle(center, radius_m) => plane.disc(center, radius_m),
             Outline::Polygon(corners) => {
                 let mut corners: Vec<_> = corners.iter().map(|&at| plane.flat(at)).collect();
                 if twice_area(&corners) < 0.0 {
@@ -241,9 +241,16 @@ fn circle(center: LatLon, radius_m: f64) -> Item {
     corner(command::FENCE_CIRCLE_EXCLUSION, radius_m, center)
 }
 
-/// What the fence leaves out, one sentence for each zone or dome: fences are two-dimensional.
+/// Zones that the fence leaves out have a sentence each up to this number.
+const MOST_SENTENCES: usize = 8;
+
+/// What the fence leaves out, one sentence for each zone or dome, or for all of many zones: fences are
+/// two-dimensional.
 fn not_encoded(spec: &MissionSpec) -> Vec<String> {
-    let left_out = spec.no_fly.iter().filter(|zone| !is_encoded(zone));
+    let left_out = || spec.no_fly.iter().filter(|zone| !is_encoded(zone));
+    let are_many = left_out().filter(|zone| dome_of(zone).is_none()).count() > MOST_SENTENCES;
+    let (many, each): (Vec<&Zone>, Vec<&Zone>) =
+        left_out().partition(|zone| are_many && dome_of(zone).is_none());
     let sentence = |zone: &Zone| match (dome_of(zone), zone.is_closed_throughout()) {
         (Some(id), _) => format!(
             "threat {id} is a dome; a fence has no height and no time, so it is not in the fence"
@@ -257,9 +264,17 @@ fn not_encoded(spec: &MissionSpec) -> Vec<String> {
             zone.id
         ),
     };
-    let mut sentences: Vec<String> = left_out.map(sentence).collect();
+    let mut sentences: Vec<String> = each.into_iter().map(sentence).collect();
     // The layers of a dome follow each other.
     sentences.dedup();
+    if are_many {
+        let ids: Vec<&str> = many.iter().map(|zone| zone.id.as_str()).collect();
+        sentences.push(format!(
+            "{} zones have a height, a time or holes; a fence has none, so they are not in the fence: {}",
+            ids.len(),
+            ids.join(", ")
+        ));
+    }
     sentences
 }
 

@@ -4,7 +4,7 @@ use super::{ItemWriter, float};
 use crate::autopilot::{Autopilot, command};
 use crate::geodesy::PlanPoint;
 use crate::mission::item::Item;
-use crate::spec::{Stop, StopAction};
+use crate::spec::{EndPoint, Stop, StopAction};
 use crate::world::NoData;
 
 /// Rest before anything is done at a stop, seconds.
@@ -77,12 +77,12 @@ impl ItemWriter<'_> {
             items.push(Item::without_place(configure, itself));
         }
         for action in &stop.actions {
-            items.push(self.action(action)?);
+            items.push(self.action(action, stop.end)?);
         }
         Ok(items)
     }
 
-    fn action(&self, action: &StopAction) -> Result<Item, NoData> {
+    fn action(&self, action: &StopAction, here: EndPoint) -> Result<Item, NoData> {
         let params = match *action {
             // One picture, at once.
             StopAction::Photo => [0.0, 0.0, 1.0, 0.0],
@@ -100,6 +100,11 @@ impl ItemWriter<'_> {
             // WINCH_RELATIVE_LENGTH_CONTROL.
             StopAction::Winch { length_m, rate_mps } => {
                 [1.0, 1.0, float(length_m), float(rate_mps)]
+            }
+            StopAction::PayloadPlace { max_descent_m } => {
+                let mut item = self.encoder.place(action.command(), here)?;
+                item.params[0] = max_descent_m.map_or(0.0, float);
+                return Ok(item);
             }
             StopAction::Video { .. } | StopAction::RoiNone => [0.0; 4],
         };

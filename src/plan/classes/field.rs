@@ -121,8 +121,11 @@ impl Relief {
                         Reading::Conservative => (0.75 * grid.spacing_m, 0.0),
                         Reading::Optimistic => (0.0, FRAC_1_SQRT_2 * grid.spacing_m),
                     };
-                    let share = (at.distance_m(threat.center) + further_m)
-                        / threat.radius_m.max(smallest_m);
+                    let radius_m = threat.radius_m.max(smallest_m);
+                    if at.is_beyond(threat.center, radius_m) {
+                        return 0.0;
+                    }
+                    let share = (at.distance_m(threat.center) + further_m) / radius_m;
                     if share < 1.0 {
                         prices.threat.0 - prices.threat.1 * share
                     } else {

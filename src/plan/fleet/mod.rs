@@ -145,6 +145,7 @@ impl<'a> Planning<'a> {
 
 /// How far planning has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Progress {
     /// Index of the vehicle that is being planned.
     pub vehicle: usize,

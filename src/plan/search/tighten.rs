@@ -58,8 +58,11 @@ impl FieldCost<'_> {
         let ramp_m = RAMP_CELLS * self.ground.grid.spacing_m;
         let (axis, fall) = self.price;
         for threat in self.threats {
-            let away_m = at.distance_m(threat.center);
             let radius_m = threat.radius_m + self.wider_m;
+            if at.is_beyond(threat.center, radius_m + ramp_m) {
+                continue;
+            }
+            let away_m = at.distance_m(threat.center);
             let (cost, slope) = if away_m < radius_m {
                 (axis - fall * away_m / radius_m, -fall / radius_m)
             } else if away_m < radius_m + ramp_m {

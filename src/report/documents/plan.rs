@@ -133,6 +133,12 @@ pub struct LeftTask {
 pub struct PlannedStop {
     /// Name in the spec.
     pub id: String,
+    /// Degrees north, WGS84.
+    pub lat_deg: Option<f64>,
+    /// Degrees east, WGS84.
+    pub lon_deg: Option<f64>,
+    /// Metres above mean sea level.
+    pub amsl_m: Option<f64>,
     /// When the vehicle is there, seconds after T0.
     pub t_s: Option<f64>,
     /// How long it rests there, seconds.
@@ -388,7 +394,7 @@ fn planned_vehicle(
         relaxations: (planned.relaxations.iter().flatten())
             .map(|relaxation| relaxation.words(vehicle))
             .collect(),
-        stops: stops(vehicle, planned),
+        stops: stops(vehicle, planned, world),
         tasks: Vec::new(),
         left_out_of_fence: Vec::new(),
         control_points: planned
@@ -416,16 +422,23 @@ fn planned_vehicle(
 }
 
 /// The stops of a vehicle as they are visited, each at the end of a route.
-fn stops(vehicle: &Vehicle, planned: &VehiclePlan) -> Vec<PlannedStop> {
+fn stops(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> Vec<PlannedStop> {
     let mut vehicle = vehicle.clone();
     vehicle.visit_in(&planned.order);
     let routes = vehicle.stops.iter().zip(&planned.routes);
     routes
-        .map(|(stop, route)| PlannedStop {
-            id: stop.id.clone(),
-            t_s: (route.path.last()).and_then(|last| rounded(last.t_s, METRE_DIGITS)),
-            rest_s: vehicle.stay_s(stop),
-            actions: stop.actions.iter().map(StopAction::key).collect(),
+        .map(|(stop, route)| {
+            let last = route.path.last();
+            let at = last.map(|last| control_point(last.point, world));
+            PlannedStop {
+                id: stop.id.clone(),
+                lat_deg: at.as_ref().and_then(|at| at.lat_deg),
+                lon_deg: at.as_ref().and_then(|at| at.lon_deg),
+                amsl_m: at.and_then(|at| at.amsl_m),
+                t_s: last.and_then(|last| rounded(last.t_s, METRE_DIGITS)),
+                rest_s: vehicle.stay_s(stop),
+                actions: stop.actions.iter().map(StopAction::key).collect(),
+            }
         })
         .collect()
 }

@@ -161,6 +161,7 @@ impl Settings {
             level_m: None,
             slow_landing_m: self.of_name("Q_LAND_FINAL_ALT"),
             slow_landing_mps: self.of_name("Q_LAND_FINAL_SPD").max(0.1),
+            placing_mps: self.of_name("Q_LAND_FINAL_SPD").max(0.1),
             return_m: self.wing().return_m,
             idle_s: None,
         }

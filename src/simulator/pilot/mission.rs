@@ -1,5 +1,6 @@
 //! The items of the mission on board, one after the other.
 
+use super::payload::Placing;
 use super::{Doing, Event, Hold, Pilot, REACHED_M};
 use crate::geodesy::LatLon;
 use crate::mission::{Item, command, frame};
@@ -42,6 +43,11 @@ impl Pilot {
                         leg: Leg { from_m, to_m },
                         hold: stay(item),
                     })
+                }
+                command::NAV_PAYLOAD_PLACE
+                    if self.airborne && self.profile == Profile::ArduPilot =>
+                {
+                    Some(self.to_placing(item, from_m))
                 }
                 command::DO_CHANGE_SPEED => {
                     let speed = f64::from(item.params[1]);
@@ -90,6 +96,7 @@ impl Pilot {
             Doing::OnWing(winged) => winged.end_m(self.profile, at_m),
             Doing::Flying { leg, .. } => leg.to_m,
             Doing::Holding { at_m, .. } => at_m,
+            Doing::Placing(placing) => placing.top_m,
             Doing::Rising { amsl_m } => [at_m[0], at_m[1], amsl_m],
             _ => at_m,
         };
@@ -100,20 +107,36 @@ impl Pilot {
 
     /// The leg to where a landing goes down: at the altitude of the leg before.
     fn to_landing(&self, item: &Item, from_m: [f64; 3]) -> Doing {
-        let at_m = match place(item) {
+        let leg = self.level_leg(item, from_m);
+        if leg.is_upright() {
+            Doing::Sinking { at_m: leg.to_m }
+        } else {
+            let hold = Hold::Land;
+            Doing::Flying { leg, hold }
+        }
+    }
+
+    /// The leg to where a load is placed, at the altitude of the leg before.
+    fn to_placing(&self, item: &Item, from_m: [f64; 3]) -> Doing {
+        let leg = self.level_leg(item, from_m);
+        if leg.is_upright() {
+            Doing::Placing(Placing::new(item, leg.to_m))
+        } else {
+            let hold = Hold::Place;
+            Doing::Flying { leg, hold }
+        }
+    }
+
+    /// The leg to the place of an item, at the present altitude.
+    fn level_leg(&self, item: &Item, from_m: [f64; 3]) -> Leg {
+        let to_m = match place(item) {
             Some(place) => {
                 let to = self.frame.to_plan(place);
                 [to.east_m, to.north_m, from_m[2]]
             }
             None => from_m,
         };
-        let leg = Leg { from_m, to_m: at_m };
-        if leg.is_upright() {
-            Doing::Sinking { at_m }
-        } else {
-            let hold = Hold::Land;
-            Doing::Flying { leg, hold }
-        }
+        Leg { from_m, to_m }
     }
 
     /// The velocity along a leg, with the corners and stops ahead in mind.
@@ -147,7 +170,7 @@ impl Pilot {
         loop {
             let next = match hold {
                 Hold::Pass => self.next_leg(index, leg.to_m, items),
-                Hold::For(_) | Hold::Ever | Hold::Land => None,
+                Hold::For(_) | Hold::Ever | Hold::Land | Hold::Place => None,
             };
             let Some((at, after, stays)) = next else {
                 let speed_mps = 0.0;
@@ -207,7 +230,9 @@ impl Pilot {
                         _ => None,
                     };
                 }
-                command::NAV_DELAY | command::NAV_RETURN_TO_LAUNCH => return None,
+                command::NAV_DELAY | command::NAV_RETURN_TO_LAUNCH | command::NAV_PAYLOAD_PLACE => {
+                    return None;
+                }
                 _ => {}
             }
         }
@@ -254,7 +279,8 @@ impl Pilot {
                 }
             }
             Hold::Land if is_there => self.doing = Doing::Sinking { at_m: leg.to_m },
-            Hold::For(_) | Hold::Ever | Hold::Land => {}
+            Hold::Place if is_there => self.place_payload(items, leg.to_m),
+            Hold::For(_) | Hold::Ever | Hold::Land | Hold::Place => {}
         }
     }
 

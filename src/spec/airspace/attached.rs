@@ -11,7 +11,7 @@ use crate::spec::{Issue, check, keys};
 const MAX_BYTES: u64 = 64 << 20;
 
 /// A file that a spec names, byte for byte.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AttachedFile {
     /// Its path relative to the spec.
     pub name: PathBuf,
@@ -36,12 +36,12 @@ pub struct Survey {
     pub without_area: usize,
 }
 
-/// The files of all keys, in their order; each with the problem of reading it, if there is one.
+/// The files of all keys, in their order, and what is wrong with those that cannot be read: they are empty.
 pub(in crate::spec) fn read(
     spec: &Path,
     keys: &keys::Spec,
     positions: &Positions,
-) -> Result<Vec<AttachedFile>, Vec<Issue>> {
+) -> (Vec<AttachedFile>, Vec<Issue>) {
     let airspace = keys.airspace.iter().enumerate();
     let airspace = airspace.map(|(index, of)| (format!("airspace[{index}].file"), &of.file));
     let obstacles = keys.obstacles.iter().enumerate();
@@ -60,30 +60,31 @@ pub(in crate::spec) fn read(
         let Some(relative) = check::relative(name) else {
             let allowed = "a path relative to the spec, with /, without .. and drive letters";
             report(format!("`{}`", name.escape_debug()), allowed.to_owned());
+            files.push(AttachedFile::default());
             continue;
         };
         let file = spec.parent().unwrap_or(Path::new("")).join(&relative);
         let mut bytes = Vec::new();
         let read = File::open(&file).and_then(|of| of.take(MAX_BYTES + 1).read_to_end(&mut bytes));
         let is_large = u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES);
-        match read {
-            Err(error) => report(
+        if let Err(error) = &read {
+            report(
                 format!("{}: cannot be read: {error}", file.display()),
                 "a file beside the spec".to_owned(),
-            ),
-            Ok(_) if is_large => report(
+            );
+        } else if is_large {
+            report(
                 format!("{}: too large", file.display()),
                 format!("at most {} MiB", MAX_BYTES >> 20),
-            ),
-            Ok(_) => files.push(AttachedFile {
-                name: relative,
-                bytes,
-            }),
+            );
         }
+        if read.is_err() || is_large {
+            bytes.clear();
+        }
+        files.push(AttachedFile {
+            name: relative,
+            bytes,
+        });
     }
-    if issues.is_empty() {
-        Ok(files)
-    } else {
-        Err(issues)
-    }
+    (files, issues)
 }

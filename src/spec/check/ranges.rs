@@ -65,7 +65,7 @@ impl Checker {
 }
 
 /// Follows the `$ref` of a schema, also inside `anyOf` with `null`; otherwise the schema itself.
-pub(super) fn resolved<'s>(schema: &'s Schema, root: &'s Schema) -> &'s Schema {
+pub(in crate::spec) fn resolved<'s>(schema: &'s Schema, root: &'s Schema) -> &'s Schema {
     let target = schema.pointer("/anyOf/0/$ref").or(schema.get("$ref"));
     let path = target.and_then(|target| target.as_str()?.strip_prefix('#'));
     path.and_then(|path| root.pointer(path)).unwrap_or(schema)

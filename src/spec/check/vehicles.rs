@@ -30,6 +30,8 @@ const MIN_START_TO_GOAL_M: f64 = 10.0;
 /// Stops of a wing are this far apart at least, in radii of its circles.
 const TURNS_APART: f64 = 8.0;
 
+/// A speed that no copter flies is probably in km/h above this, m/s.
+const KMH_FROM_MPS: f64 = 20.0;
 /// System ids for vehicles: those above belong to ground stations.
 const SYSTEM_IDS: usize = 240;
 
@@ -265,7 +267,14 @@ impl Checker {
             Some(_) => "speed_range_mps.max",
             None => "speed_mps",
         };
-        let found = format!("{} m/s", vehicle.speeds().most);
+        let found_mps = vehicle.speeds().most;
+        let found = match found_mps > KMH_FROM_MPS {
+            true => format!(
+                "{found_mps} m/s: is it in km/h? Those are {:.1} m/s",
+                found_mps / 3.6
+            ),
+            false => format!("{found_mps} m/s"),
+        };
         self.report(&format!("{path}.{key}"), found, allowed);
     }
 
@@ -283,6 +292,16 @@ impl Checker {
         version
     }
 
+    fn missing_goal(&mut self, path: &str) {
+        let mut issue = self.sources.missing(path, "goal");
+        if issue.allowed.is_empty() {
+            issue.allowed = format!(
+                "a goal at least {MIN_START_TO_GOAL_M} m from start; only with stops of its own a vehicle comes back to its start"
+            );
+        }
+        self.issues.push(issue);
+    }
+
     /// Home, start and goal: apart, and where something may stand.
     fn ends(&mut self, path: &str, keys: &keys::Vehicle, map: Option<&Map>) -> Ends {
         let at = |key: &str| format!("{path}.{key}");
@@ -292,7 +311,10 @@ impl Checker {
         let goal = if is_round {
             start
         } else {
-            let goal = self.required(path, "goal", keys.goal.as_ref());
+            if keys.goal.is_none() {
+                self.missing_goal(path);
+            }
+            let goal = keys.goal.as_ref();
             goal.and_then(|end| self.end_point(&at("goal"), end.point()))
         };
         let own_home = keys.home.and_then(|home| self.place(&at("home"), home));

@@ -38,6 +38,9 @@ pub struct StopAction {
     /// Lets a line out or in.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub winch: Option<Winch>,
+    /// ArduCopter: comes down until the load is on the ground, releases it, and rises again.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub payload_place: Option<PayloadPlace>,
 }
 
 /// One picture; it has no keys.
@@ -118,4 +121,14 @@ pub struct Winch {
     /// Speed of the line, m/s.
     #[schemars(required, range(min = 0.1, max = 10))]
     pub rate_mps: Option<f64>,
+}
+
+/// How a load is placed on the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PayloadPlace {
+    /// Most that the vehicle comes down, metres: without ground by then it rises again with its load.
+    /// Absent: no limit.
+    #[schemars(range(min = 1, max = 600))]
+    pub max_descent_m: Option<f64>,
 }

@@ -16,7 +16,9 @@ mod tasks;
 mod vehicle;
 mod zones;
 
-pub use actions::{Gimbal, Gripper, Photo, Relay, RoiNone, Servo, StopAction, Video, Winch};
+pub use actions::{
+    Gimbal, Gripper, PayloadPlace, Photo, Relay, RoiNone, Servo, StopAction, Video, Winch,
+};
 pub use airspace::{AirspaceFile, ObstacleFile, Only};
 pub use endurance::{Endurance, Energy};
 pub use fleet::{Fleet, Grid};

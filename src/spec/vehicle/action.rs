@@ -50,7 +50,15 @@ pub enum StopAction {
         /// Speed of the line, m/s.
         rate_mps: f64,
     },
+    /// Comes down until the load is on the ground, releases it, and rises to where it was.
+    PayloadPlace {
+        /// Most that it comes down, metres; none: any height.
+        max_descent_m: Option<f64>,
+    },
 }
+
+/// What release of a load on the ground and the measurement of the thrust take, seconds.
+pub const RELEASE_S: f64 = 5.0;
 
 impl StopAction {
     /// The `MAV_CMD` that does it.
@@ -67,6 +75,7 @@ impl StopAction {
             Self::Relay { .. } => command::DO_SET_RELAY,
             Self::Gripper { .. } => command::DO_GRIPPER,
             Self::Winch { .. } => command::DO_WINCH,
+            Self::PayloadPlace { .. } => command::NAV_PAYLOAD_PLACE,
         }
     }
 
@@ -89,6 +98,7 @@ impl StopAction {
             Self::Relay { .. } => "relay",
             Self::Gripper { .. } => "gripper",
             Self::Winch { .. } => "winch",
+            Self::PayloadPlace { .. } => "payload_place",
         }
     }
 }

@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{EndPoint, Span, StopAction, Vehicle};
+use super::action::RELEASE_S;
+use super::{EndPoint, Placement, Span, StopAction, Vehicle};
 use crate::geodesy::{Agl, LatLon};
 use crate::spec::keys::words;
 
@@ -86,6 +87,24 @@ impl Stop {
 }
 
 impl Stop {
+    /// A stop at which nothing is done.
+    #[must_use]
+    pub fn passing(id: &str, end: EndPoint) -> Self {
+        Self {
+            id: id.to_owned(),
+            end,
+            hold_s: 0.0,
+            acceptance_radius_m: None,
+            heading_rad: None,
+            actions: Vec::new(),
+            speed_mps: None,
+            window_s: None,
+            wait_s: 0.0,
+            arrives: Arrival::default(),
+            trigger_m: None,
+        }
+    }
+
     /// Makes it one stop with another at the same place, which is made after it.
     pub fn join(&mut self, other: &Self) {
         self.id = format!("{} + {}", self.id, other.id);
@@ -128,17 +147,8 @@ pub enum Order {
 /// An end of the path as a stop, if something is done there.
 fn acting(id: &str, end: EndPoint, actions: &[StopAction]) -> Option<Stop> {
     (!actions.is_empty()).then(|| Stop {
-        id: id.to_owned(),
-        end,
-        hold_s: 0.0,
-        acceptance_radius_m: None,
-        heading_rad: None,
         actions: actions.to_vec(),
-        speed_mps: None,
-        window_s: None,
-        wait_s: 0.0,
-        arrives: Arrival::default(),
-        trigger_m: None,
+        ..Stop::passing(id, end)
     })
 }
 
@@ -203,10 +213,37 @@ impl Vehicle {
     #[must_use]
     pub fn stay_s(&self, stop: &Stop) -> f64 {
         match (self.wing, stop.hold_s > 0.0) {
-            (None, _) => stop.rest_s(),
+            (None, _) => stop.rest_s() + self.placing_s(stop),
             (Some(_), false) => 0.0,
             (Some(_), true) => stop.rest_s(),
         }
+    }
+
+    /// Whether it places a load on the ground somewhere.
+    #[must_use]
+    pub fn has_payload_place(&self) -> bool {
+        let ends = self.on_way.start.iter().chain(&self.on_way.goal);
+        let mut actions = self.stops.iter().flat_map(|stop| &stop.actions).chain(ends);
+        actions.any(|action| matches!(action, StopAction::PayloadPlace { .. }))
+    }
+
+    /// How long the vehicle is below a stop to place loads on the ground, seconds.
+    fn placing_s(&self, stop: &Stop) -> f64 {
+        let is_placing = |action: &&StopAction| matches!(action, StopAction::PayloadPlace { .. });
+        let loads = stop.actions.iter().filter(is_placing).count();
+        // The check asks for a height above ground.
+        let Placement::Agl(Agl(agl_m)) = stop.end.altitude else {
+            return 0.0;
+        };
+        let each_s = agl_m / self.slow_descent_mps() + RELEASE_S + agl_m / self.climb_mps;
+        f64::from(u32::try_from(loads).unwrap_or(u32::MAX)) * each_s
+    }
+
+    /// How fast it comes down at the end of a landing and to place a load, m/s.
+    #[must_use]
+    pub fn slow_descent_mps(&self) -> f64 {
+        let slow_mps = self.facts().behaviour.slow_landing_mps;
+        slow_mps.min(self.descent_mps)
     }
 
     /// Ids and places of its stops.

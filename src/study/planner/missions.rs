@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cost::PaperOptions;
 use crate::spec::{Buffers, Document, Finish, MissionSpec, Objective, Scenario, SpecError};
+use crate::study::family::Family;
 use crate::study::paper::{ConfigError, MAPS_8, read_text, unreadable};
 use crate::study::scenario::{MAX_DIFFICULTY, scenario};
 use crate::study::setting::Setting;
@@ -62,6 +63,15 @@ impl MissionText {
         let difficulty = u8::try_from(difficulty).unwrap_or(MAX_DIFFICULTY);
         let file = format!("scenario-{seed}-{difficulty}.yaml");
         Self::parse(Path::new(&file), scenario(seed, difficulty))
+    }
+
+    /// The problem of a family and a seed.
+    ///
+    /// # Errors
+    /// None while the generator writes valid specs.
+    pub fn of_family(family: Family, seed: u64) -> Result<Self, SpecError> {
+        let file = format!("{}-{seed}.yaml", family.name());
+        Self::parse(Path::new(&file), family.problem(seed))
     }
 
     /// The paper's three maps with eight free control points.

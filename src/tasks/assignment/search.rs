@@ -1,10 +1,10 @@
-//! Regret insertion, then removal and new insertion.
+//! Regret insertion, then removal and new insertion, and vehicles that exchange all that they do.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::insertion::{Insertion, Noise};
-use super::{Assigned, Assignment};
+use super::{Assigned, Assignment, Form};
 
 /// Rounds of removal and new insertion after the first insertion.
 const ROUNDS: u64 = 10_000;
@@ -12,8 +12,16 @@ const ROUNDS: u64 = 10_000;
 const RESTART: u32 = 12;
 /// Most that a sharing may cost above the best to be gone on from, at first; percent.
 const MOST_DEARER: u64 = 10;
+/// In one round of this number two vehicles exchange what they do.
+const EXCHANGE: u32 = 10;
 /// Most jobs taken out in one round.
 const MOST_REMOVED: usize = 6;
+/// In one round of this number jobs are taken out at random.
+const RANDOM: u32 = 3;
+/// Most vehicles that lose a string of visits.
+const MOST_STRINGS: usize = 3;
+/// Most visits in such a string.
+const MOST_IN_STRING: usize = 10;
 
 impl Assignment<'_> {
     pub(super) fn search(&self, seed: u64) -> Assigned {
@@ -30,22 +38,13 @@ impl Assignment<'_> {
         self.insert(&mut best, None);
         let mut current = best.clone();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let most = MOST_REMOVED.min(free.len());
-        for round in 0..if most == 0 { 0 } else { ROUNDS } {
+        let near = self.near(&free);
+        for round in 0..if free.is_empty() { 0 } else { ROUNDS } {
             let mut next = current.clone();
-            // Now and then everything begins anew.
-            let all = rng.random_range(0..RESTART) == 0;
-            let removed = if all {
-                free.len()
-            } else {
-                rng.random_range(1..=most)
-            };
-            for nth in 0..removed {
-                let job = free[if all {
-                    nth
-                } else {
-                    rng.random_range(0..free.len())
-                }];
+            if rng.random_range(0..EXCHANGE) == 0 {
+                self.exchange(&mut next.visits, &mut rng);
+            }
+            for job in self.removed(&next, &free, &near, &mut rng) {
                 if !next.left.contains(&job) {
                     next.left.push(job);
                 }
@@ -74,6 +73,129 @@ impl Assignment<'_> {
         }
         best.left.sort_unstable();
         best
+    }
+
+    /// For each job the jobs in order of the time from one to the other, itself first.
+    fn near(&self, free: &[usize]) -> Vec<Vec<usize>> {
+        let apart = |one: usize, other: usize| {
+            let sites = |job: usize| self.jobs[job].visits.iter().map(|visit| visit.place);
+            let pairs = sites(one).flat_map(|from| sites(other).map(move |to| (from, to)));
+            let ways = self
+                .vehicles
+                .iter()
+                .take(1)
+                .flat_map(|own| pairs.clone().filter_map(|(from, to)| own.ways[from][to]));
+            ways.map(|way| way.time).min().unwrap_or(u32::MAX)
+        };
+        let order = |one: &usize| {
+            let mut others = free.to_vec();
+            others.sort_by_key(|other| (*other != *one, apart(*one, *other)));
+            others
+        };
+        free.iter().map(order).collect()
+    }
+
+    /// Jobs to take out: now and then all, some at random, or what vehicles visit one after the other
+    /// around one place.
+    fn removed(
+        &self,
+        assigned: &Assigned,
+        free: &[usize],
+        near: &[Vec<usize>],
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<usize> {
+        if rng.random_range(0..RESTART) == 0 {
+            return free.to_vec();
+        }
+        if rng.random_range(0..RANDOM) == 0 {
+            let count = rng.random_range(1..=MOST_REMOVED.min(free.len()));
+            return (0..count)
+                .map(|_| free[rng.random_range(0..free.len())])
+                .collect();
+        }
+        let mut removed: Vec<usize> = Vec::new();
+        let mut vehicles: Vec<usize> = Vec::new();
+        let strings = rng.random_range(1..=MOST_STRINGS);
+        for &job in &near[rng.random_range(0..free.len())] {
+            if vehicles.len() == strings {
+                break;
+            }
+            let is_there = |visits: &Vec<(usize, usize)>| visits.iter().any(|visit| visit.0 == job);
+            let Some(vehicle) = assigned.visits.iter().position(is_there) else {
+                removed.push(job);
+                continue;
+            };
+            if vehicles.contains(&vehicle) {
+                continue;
+            }
+            vehicles.push(vehicle);
+            let visits = &assigned.visits[vehicle];
+            let at = visits.iter().position(|visit| visit.0 == job).unwrap_or(0);
+            let length = rng.random_range(1..=MOST_IN_STRING.min(visits.len()));
+            let first = (at + 1).saturating_sub(length).max(0);
+            let last = at.min(visits.len() - length);
+            let first = rng.random_range(first..=last.max(first));
+            let string = visits.iter().skip(first).take(length).map(|visit| visit.0);
+            removed.extend(string.filter(|job| free.contains(job)));
+        }
+        removed
+    }
+
+    /// Two vehicles exchange all that they do, each beginning where that takes the least time.
+    fn exchange(&self, visits: &mut [Vec<(usize, usize)>], rng: &mut ChaCha8Rng) {
+        let [one, other] = [0; 2].map(|_| rng.random_range(0..visits.len()));
+        if one == other
+            || [one, other]
+                .iter()
+                .any(|at| self.vehicles[*at].own.is_some())
+        {
+            return;
+        }
+        let taken = self.begun_best(one, &visits[other]);
+        let given = self.begun_best(other, &visits[one]);
+        if let (Some(taken), Some(given)) = (taken, given) {
+            (visits[one], visits[other]) = (taken, given);
+        }
+    }
+
+    /// Visits as a ring, begun where a vehicle takes the least time for them; none where it may not do them.
+    fn begun_best(&self, vehicle: usize, ring: &[(usize, usize)]) -> Option<Vec<(usize, usize)>> {
+        let own = &self.vehicles[vehicle];
+        let may = |visit: &(usize, usize)| self.jobs[visit.0].vehicles[vehicle];
+        if ring.len() > own.most_visits || !ring.iter().all(may) {
+            return None;
+        }
+        let turned = |first: usize| ring.iter().cycle().skip(first).take(ring.len()).copied();
+        let time = |first: usize| {
+            let is_whole = first == 0 || self.is_in_order(turned(first));
+            let spent = is_whole
+                .then(|| self.go(vehicle, turned(first)))
+                .flatten()?;
+            (spent.uses <= own.budget).then_some((spent.time, first))
+        };
+        let best = (0..ring.len().max(1)).filter_map(time).min();
+        best.map(|(_, first)| turned(first).collect())
+    }
+
+    /// Whether each job is done in its order, and at once where it has to be.
+    fn is_in_order(&self, visits: impl Iterator<Item = (usize, usize)> + Clone) -> bool {
+        let before = visits.clone();
+        visits.enumerate().all(|(at, (job, position))| {
+            let of = &self.jobs[job];
+            let last = of.visits.len() - 1;
+            let mut earlier = before.clone().take(at);
+            match of.form {
+                Form::Open => position == 0 || earlier.any(|visit| visit == (job, position - 1)),
+                // Forwards or backwards, from one of its ends on.
+                Form::Together | Form::EitherWay => {
+                    let is_end = position == 0 || (position == last && of.form == Form::EitherWay);
+                    match earlier.clone().last() {
+                        Some(before) if before.0 == job => true,
+                        _ => is_end && !earlier.any(|visit| visit.0 == job),
+                    }
+                }
+            }
+        })
     }
 
     /// Inserts the jobs that are left wherever they fit: first those that lose most if their best

@@ -272,7 +272,9 @@ impl Pilot<'_> {
             Order::Circle { at, height, circle } => {
                 self.circle_on_rotors((row, self.or_here(at), height), circle, mission)?;
             }
-            Order::Place { at, most_m } => self.place_payload(row, self.or_here(at), most_m)?,
+            Order::Place { at, most_m } => {
+                self.place_payload(row, self.or_here(at), most_m, mission)?
+            }
             Order::Land { at: Some(at) } if self.vehicle.airframe == Airframe::Plane => {
                 let item = &mission.items[row - 1];
                 let height = item::height(item, mission.autopilot, self.home.amsl);

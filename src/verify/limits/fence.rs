@@ -1,6 +1,6 @@
 //! The fence items of a mission, as the autopilot tests them.
 
-use crate::geodesy::LatLon;
+use crate::geodesy::{LatLon, bend_m};
 use crate::mission::{Item, command};
 
 use crate::verify::measure::outline::{Cylinder, Keep, Outline};
@@ -134,7 +134,8 @@ pub(crate) fn holds(boundary: &[Item], required: &[Item]) -> bool {
 
 /// A boundary may be this far inside of what it covers, metres: both are encoded in 1e-7 degrees.
 const COVER_M: f64 = 0.05;
-/// Parts of an edge of a polygon that are measured against a circle.
+/// Fewest parts of an edge of a polygon that are measured against a circle, in whose frame each is
+/// straight; in longer edges more, so that a part leaves its straight line by a fifth of [`COVER_M`].
 const EDGE_PARTS: u32 = 8;
 
 /// Whether an exclusion boundary covers another one, both as items.
@@ -189,6 +190,14 @@ fn at(place: LatLon) -> Stretch {
 fn edges(corners: &[LatLon], parts: u32) -> impl Iterator<Item = Stretch> + '_ {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).flat_map(move |(from, to)| {
+        let bend_m = bend_m(from.chord_m(*to), from.lat_deg.abs().max(to.lat_deg.abs()));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to a small positive count"
+        )]
+        let finer = (bend_m / (0.2 * COVER_M)).sqrt().ceil().clamp(1.0, 1e4) as u32;
+        let parts = if parts > 1 { parts.max(finer) } else { 1 };
         let along = move |part: u32| {
             let share = f64::from(part) / f64::from(parts);
             LatLon {

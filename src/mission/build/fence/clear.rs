@@ -131,6 +131,11 @@ impl Plane {
         bend_m(self.at_least_m(length_m), self.steepest_deg)
     }
 
+    /// A disc that holds a circle of the earth, whatever the scale at its latitude.
+    pub(super) fn disc(&self, center: LatLon, radius_m: f64) -> Shape {
+        Shape::Circle(self.flat(center), self.at_least_m(radius_m))
+    }
+
     /// A circle around corners, over the earth.
     pub(super) fn circle(&self, corners: &[Point]) -> Shape {
         let (center, radius) = enclosing_circle(corners);
@@ -193,5 +198,28 @@ impl Clear {
     pub(super) fn allows(&self, shape: &Shape, back_m: f64) -> bool {
         self.to_path_m(shape) >= self.keep_m
             && (back_m <= 0.0 || self.to_returns_m(shape) >= self.keep_m.min(back_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LocalFrame, Plane};
+    use crate::geodesy::LatLon;
+
+    /// A degree of longitude is 1 % shorter at the northern edge than in the middle.
+    #[test]
+    fn what_stands_for_a_circle_holds_it_also_at_the_edge_of_a_tall_area() {
+        let at = |lat_deg: f64, lon_deg: f64| LatLon { lat_deg, lon_deg };
+        let plane = Plane::new(at(46.6, 7.8), at(47.8, 9.2));
+        for center in [at(46.6, 8.0), at(47.2, 8.5), at(47.8, 9.0)] {
+            let frame = LocalFrame::new(center);
+            let corners = plane.disc(center, 700.0).corners();
+            for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+                let away = frame.to_plan(plane.place(middle));
+                let away_m = away.east_m.hypot(away.north_m);
+                assert!((700.0..712.0).contains(&away_m), "{center:?}: {away_m}");
+            }
+        }
     }
 }

@@ -5,15 +5,14 @@ use crate::autopilot::{Autopilot, command_name};
 use crate::spec::keys;
 use crate::spec::{EndPoint, StopAction};
 
-const KEYS: &str =
-    "one of photo, video, gimbal, roi, roi_none, servo, relay, gripper, winch in each item";
+const KEYS: &str = "one of photo, video, gimbal, roi, roi_none, servo, relay, gripper, winch, payload_place in each item";
 
 impl Checker {
     /// The actions of a stop that are whole and that the autopilot runs.
     pub(super) fn actions(
         &mut self,
         path: &str,
-        listed: &[keys::StopAction],
+        (listed, at): (&[keys::StopAction], keys::EndPoint),
         autopilot: Option<Autopilot>,
     ) -> Vec<StopAction> {
         let mut actions = Vec::new();
@@ -26,6 +25,7 @@ impl Checker {
             }
             let Some(action) = found.pop() else { continue };
             self.runs(&path, &action, autopilot);
+            self.comes_down(&path, &action, at);
             actions.push(action);
         }
         actions
@@ -45,6 +45,41 @@ impl Checker {
         }
     }
 
+    /// A load is placed from a known height above ground, and within the descent that is allowed.
+    fn comes_down(&mut self, path: &str, action: &StopAction, at: keys::EndPoint) {
+        let StopAction::PayloadPlace { max_descent_m } = *action else {
+            return;
+        };
+        let path = format!("{path}.payload_place");
+        match (at.agl_m, max_descent_m) {
+            (Some(agl_m), Some(most_m)) if most_m < agl_m => {
+                let found = format!("{most_m} m, and the ground is {agl_m} m below");
+                let allowed = "at least agl_m, or no limit";
+                self.report(&format!("{path}.max_descent_m"), found, allowed);
+            }
+            (None, _) if at.amsl_m.is_some() => {
+                let found = "a load is placed, at a place with amsl_m";
+                self.report(&path, found, "agl_m: how far the vehicle comes down");
+            }
+            _ => {}
+        }
+    }
+
+    /// A wing does not hover for these actions.
+    pub(super) fn hovers(&mut self, path: &str, listed: &[keys::StopAction]) {
+        for (index, action) in listed.iter().enumerate() {
+            let keys = [
+                ("winch", action.winch.is_some()),
+                ("payload_place", action.payload_place.is_some()),
+            ];
+            for (key, _) in keys.into_iter().filter(|(_, is_given)| *is_given) {
+                let path = format!("{path}.actions[{index}].{key}");
+                let found = format!("{key}, on a wing, which does not hover");
+                self.report(&path, found, "another action");
+            }
+        }
+    }
+
     /// All actions that one item has; broken ones are reported.
     fn action(&mut self, path: &str, keys: &keys::StopAction) -> Vec<StopAction> {
         let mut found = Vec::new();
@@ -61,6 +96,9 @@ impl Checker {
             grabs: gripper == keys::Gripper::Grab,
         }));
         found.extend(keys.winch.and_then(|winch| self.winch(path, winch)));
+        found.extend(keys.payload_place.map(|place| StopAction::PayloadPlace {
+            max_descent_m: place.max_descent_m,
+        }));
         found
     }
 

@@ -59,7 +59,7 @@ impl Checker {
         if vehicle.airframe.unwrap_or_default().has_wing() {
             self.stop_on_wing(path, stop);
         }
-        let actions = self.actions(path, &stop.actions, vehicle.autopilot);
+        let actions = self.actions(path, (&stop.actions, point), vehicle.autopilot);
         Some(Stop {
             id: id?,
             end: end?,
@@ -79,11 +79,15 @@ impl Checker {
     pub(super) fn on_way(&mut self, path: &str, keys: &keys::Vehicle) -> OnWay {
         let mut at_end = |key: &str, station: Option<&keys::Station>| {
             let listed = station.map_or(&[][..], |station| station.actions.as_slice());
-            self.actions(&format!("{path}.{key}"), listed, keys.autopilot)
+            let at = station.map(keys::Station::point).unwrap_or_default();
+            self.actions(&format!("{path}.{key}"), (listed, at), keys.autopilot)
         };
         let start = at_end("start", keys.start.as_ref());
         let goal = at_end("goal", keys.goal.as_ref());
         let has_wing = keys.airframe.unwrap_or_default().has_wing();
+        if let (true, Some(start)) = (has_wing, &keys.start) {
+            self.hovers(&format!("{path}.start"), &start.actions);
+        }
         if has_wing && !goal.is_empty() {
             let found = "actions at the goal, on a wing, which lands or circles there";
             self.report(&format!("{path}.goal.actions"), found, "a stop before it");
@@ -114,16 +118,7 @@ impl Checker {
                 "speed_mps of the vehicle",
             );
         }
-        for (index, action) in stop.actions.iter().enumerate() {
-            if action.winch.is_some() {
-                let path = format!("{path}.actions[{index}].winch");
-                self.report(
-                    &path,
-                    "winch, on a wing, which does not hover",
-                    "another action",
-                );
-            }
-        }
+        self.hovers(path, &stop.actions);
     }
 
     /// A speed from a stop on needs a known order, and is no choice of the planner.

@@ -165,7 +165,7 @@ impl Checker {
         if let (Some(map), Some(end)) = (map, end) {
             self.clear(path, "task", end.place, map);
         }
-        let actions = self.actions(path, &keys.actions, None);
+        let actions = self.actions(path, (&keys.actions, point), None);
         Some(Stop {
             id,
             end: end?,

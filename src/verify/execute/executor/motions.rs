@@ -47,13 +47,18 @@ impl Pilot<'_> {
         let (here, from_s) = (self.here(), self.trajectory.t_s);
         self.trajectory
             .straight((row, self.phase), (here, here), hold_s, false);
-        let until_s = self.trajectory.t_s;
+        self.rest_since(row, from_s);
+    }
+
+    /// Notes a rest where the vehicle is, or that the one before goes on.
+    pub(crate) fn rest_since(&mut self, row: usize, from_s: f64) {
+        let (point, until_s) = (self.here(), self.trajectory.t_s);
         match self.flight.rests.last_mut() {
-            Some(last) if last.until_s >= from_s && last.point == here => {
+            Some(last) if last.until_s >= from_s && last.point == point => {
                 (last.until_s, last.rows.1) = (until_s, row);
             }
             _ => self.flight.rests.push(Rest {
-                point: here,
+                point,
                 from_s,
                 until_s,
                 rows: (row, row),

@@ -3,11 +3,10 @@
 
 use super::Pilot;
 use crate::geodesy::LatLon;
+use crate::mission::{VehicleMission, placing_mps};
+use crate::spec::RELEASE_S;
 use crate::verify::execute::decode::Unknown;
 use crate::world::Terrain;
-
-/// What release and the measurement of the thrust take, seconds.
-const RELEASE_S: f64 = 5.0;
 
 impl Pilot<'_> {
     /// Flies to a place at the present altitude, descends, and rises to where it was.
@@ -16,6 +15,7 @@ impl Pilot<'_> {
         row: usize,
         place: LatLon,
         most_m: Option<f64>,
+        mission: &VehicleMission,
     ) -> Result<(), Unknown> {
         let last = self.last();
         let at = self.reach(row, place)?;
@@ -36,13 +36,27 @@ impl Pilot<'_> {
             return Unknown::err(row, "a place for a payload that is not below the vehicle");
         }
         let bottom_m = most_m.map_or(ground_m, |most_m| ground_m.max(top_m - most_m));
-        // `PLDP_SPEED_DN`, else the speed of a landing: down with the one, as late as with the other.
-        let slow_mps = self.vehicle.facts().behaviour.slow_landing_mps;
-        let down_mps = self.vehicle.descent_mps;
-        let slower_s = (top_m - bottom_m) * (1.0 / slow_mps.min(down_mps) - 1.0 / down_mps);
-        self.trajectory.late_s += slower_s + RELEASE_S;
-        self.lift(row, bottom_m, down_mps, true);
+        let began_s = self.trajectory.t_s;
+        let slow_mps = self.vehicle.slow_descent_mps();
+        match placing_mps(mission) {
+            Some(own_mps) => {
+                let down_mps = if own_mps > 0.0 { own_mps } else { slow_mps };
+                self.lift(row, bottom_m, down_mps, true);
+                let below = self.here();
+                self.trajectory
+                    .straight((row, self.phase), (below, below), RELEASE_S, true);
+            }
+            // Its parameter or the speed of a landing: down with the one, as late as with the other.
+            None => {
+                let down_mps = self.vehicle.descent_mps;
+                let slower_s = (top_m - bottom_m) * (1.0 / slow_mps - 1.0 / down_mps);
+                self.trajectory.late_s += slower_s + RELEASE_S;
+                self.lift(row, bottom_m, down_mps, true);
+            }
+        }
         self.lift(row, top_m, self.vehicle.climb_mps, true);
+        // What it does below a place belongs to its rest there.
+        self.rest_since(row, began_s);
         self.mark();
         self.phase_in();
         Ok(())

@@ -116,7 +116,7 @@ impl Contract<'_> {
         for (index, action) in stop.actions.iter().enumerate() {
             let name = || format!("action {} ({})", index + 1, action.key());
             let rest = items.get(next..).unwrap_or_default();
-            match rest.iter().position(|item| self.does(item, action)) {
+            match rest.iter().position(|item| self.does(item, action, stop)) {
                 Some(offset) => {
                     next += offset + 1;
                     let is_steered = !matches!(action, StopAction::Gimbal { .. })
@@ -146,10 +146,15 @@ impl Contract<'_> {
     /// ArduPilot runs commands while it is on its way to the waypoint after them or holds there, and
     /// drops those that have not run when it goes on from there. At a stop of a copter the hold counts.
     fn is_run(&self, stay: &Rest, items: &[Item], index: usize) -> bool {
-        if self.mission.autopilot != Autopilot::ArduPilot {
+        let puts_down = |item: &Item| item.command == command::NAV_PAYLOAD_PLACE;
+        if self.mission.autopilot != Autopilot::ArduPilot || puts_down(&items[index]) {
             return true;
         }
-        let holds = [command::NAV_WAYPOINT, command::NAV_LOITER_TIME];
+        let holds = [
+            command::NAV_WAYPOINT,
+            command::NAV_LOITER_TIME,
+            command::NAV_PAYLOAD_PLACE,
+        ];
         let is_waypoint = |item: &&Item| holds.contains(&item.command);
         let before = items[..index].iter().rev();
         let mut needed_s = ACTION_S;
@@ -163,7 +168,8 @@ impl Contract<'_> {
             return self.until_next_s(stay) >= needed_s;
         }
         let after = items[index..].iter().find(is_waypoint);
-        after.is_some_and(|item| f64::from(item.params[0]) >= needed_s)
+        // It places a load for longer than actions take to begin.
+        after.is_some_and(|item| puts_down(item) || f64::from(item.params[0]) >= needed_s)
     }
 
     /// How long a wing flies past a stop until its autopilot turns to the leg after the next
@@ -176,7 +182,7 @@ impl Contract<'_> {
     }
 
     /// Whether an item does an action as the autopilot reads it.
-    fn does(&self, item: &Item, action: &StopAction) -> bool {
+    fn does(&self, item: &Item, action: &StopAction, stop: &Stop) -> bool {
         let has = |expected: &[f64]| {
             let pairs = item.params.iter().zip(expected);
             pairs
@@ -196,6 +202,9 @@ impl Contract<'_> {
             StopAction::Gripper { grabs } => has(&[1.0, f64::from(u8::from(grabs))]),
             StopAction::Winch { length_m, rate_mps } => has(&[1.0, 1.0, length_m, rate_mps]),
             StopAction::Roi(end) => self.is_at(item, end),
+            StopAction::PayloadPlace { max_descent_m } => {
+                has(&[max_descent_m.unwrap_or(0.0)]) && self.is_at(item, stop.end)
+            }
         };
         item.command == action.command() && is_done
     }

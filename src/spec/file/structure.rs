@@ -1,0 +1,392 @@
+//! Keys and types of a spec: what is wrong with them, all of it, and what can be known in spite of it.
+//!
+//! The parser stops at the first problem. It is mended in a copy of the values (an unknown key is
+//! removed or renamed, a value of a wrong type removed, a missing one filled in), and the copy is parsed
+//! again. What is checked of the result is true but for what depends on the mended values.
+
+use serde_json::Value as Schema;
+use serde_yaml::{Mapping, Number, Value};
+
+use crate::numeric::digits;
+use crate::spec::check::resolved;
+use crate::spec::positions::Positions;
+use crate::spec::{Issue, keys};
+
+/// How the parser, and the check, name a missing key.
+const MISSING: &str = "missing field `";
+/// Most problems of keys and types that are reported.
+const MAX_PROBLEMS: usize = 50;
+/// Most text that is parsed again, bytes.
+const MAX_TEXT: usize = 16 << 20;
+
+/// Keys of a spec, as far as they are known.
+pub(in crate::spec) struct KeysRead {
+    pub(in crate::spec) keys: keys::Spec,
+    /// What is wrong with keys and types.
+    pub(in crate::spec) issues: Vec<Issue>,
+    /// Where nothing more can be known.
+    pub(in crate::spec) unknown: Vec<Unknown>,
+}
+
+/// What is not known for a problem that is reported already.
+pub(in crate::spec) enum Unknown {
+    /// What is at a path, but for keys that are missing there.
+    At(String),
+    /// What is at a path and below it.
+    Within(String),
+}
+
+impl From<keys::Spec> for KeysRead {
+    fn from(keys: keys::Spec) -> Self {
+        Self {
+            keys,
+            issues: Vec::new(),
+            unknown: Vec::new(),
+        }
+    }
+}
+
+/// Parses a spec, beyond all problems of keys and types.
+///
+/// # Errors
+/// Those problems, where nothing can be known beside them.
+pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRead, Vec<Issue>> {
+    let mut error = match serde_yaml::from_str::<keys::Spec>(yaml) {
+        Ok(keys) => return Ok(keys.into()),
+        Err(error) => error,
+    };
+    let mut first = Some(problem(&error));
+    let Ok(value) = serde_yaml::from_str::<Value>(yaml) else {
+        return Err(first.into_iter().collect());
+    };
+    let mut mended = Mended {
+        value,
+        schema: schemars::schema_for!(keys::Spec).to_value(),
+        removed: Vec::new(),
+        unknown: Vec::new(),
+    };
+    let (mut issues, mut parsed) = (Vec::new(), 0);
+    loop {
+        // The position is known of the first one alone: others are of the copy.
+        let found = Found::of(&error);
+        let issue = first.take().unwrap_or_else(|| Issue {
+            position: positions.find(&found.issue.path),
+            ..found.issue.clone()
+        });
+        if !mended.is_removed(&found) {
+            issues.push(issue);
+        }
+        let is_mended = issues.len() <= MAX_PROBLEMS && mended.mend(&found).is_some();
+        let text = serde_yaml::to_string(&mended.value)
+            .ok()
+            .filter(|_| is_mended);
+        let Some(text) = text.filter(|text| parsed + text.len() <= MAX_TEXT) else {
+            return Err(issues);
+        };
+        parsed += text.len();
+        match serde_yaml::from_str::<keys::Spec>(&text) {
+            // What all other keys mean depends on the version.
+            Ok(_) if mended.has_no_version() => return Err(issues),
+            Ok(keys) => {
+                return Ok(KeysRead {
+                    keys,
+                    issues,
+                    unknown: mended.unknown,
+                });
+            }
+            Err(next) => error = next,
+        }
+    }
+}
+
+/// Whether an issue may come of a problem that is reported already.
+pub(in crate::spec) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
+    let is_of = |unknown: &Unknown| match unknown {
+        Unknown::At(path) => issue.path == *path && !issue.found.starts_with(MISSING),
+        Unknown::Within(path) => {
+            let rest = issue.path.strip_prefix(path.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        }
+    };
+    issue.table.is_none() && unknown.iter().any(is_of)
+}
+
+/// The problem that ended a parse.
+pub(in crate::spec) fn problem(error: &serde_yaml::Error) -> Issue {
+    Found::of(error).issue
+}
+
+/// What is wrong at a place.
+enum Kind {
+    /// A key that is not known, and the known one that was probably meant.
+    UnknownKey(Option<String>),
+    /// This key of the place is missing.
+    Missing(String),
+    /// The value.
+    Value,
+}
+
+struct Found {
+    issue: Issue,
+    kind: Kind,
+}
+
+impl Found {
+    /// Takes apart a message such as
+    /// `vehicles[0]: invalid type: string "fast", expected f64 at line 3 column 5`.
+    fn of(error: &serde_yaml::Error) -> Self {
+        let position = error.location().map(|at| (at.line(), at.column()));
+        let mut message = error.to_string();
+        if let Some((line, column)) = position {
+            let suffix = format!(" at line {line} column {column}");
+            message = message.replacen(&suffix, "", 1);
+        }
+        let is_path = |text: &str| {
+            text.chars()
+                .all(|c| c.is_ascii_alphanumeric() || "_.[]?".contains(c))
+        };
+        let (path, message) = match message.split_once(": ") {
+            Some((path, rest)) if is_path(path) => (path.to_owned(), rest.to_owned()),
+            _ => (String::new(), message),
+        };
+        // The key itself belongs to the path.
+        let key = message
+            .strip_prefix("unknown field `")
+            .and_then(|rest| rest.split_once('`'));
+        let path = match key {
+            Some((key, _)) if path.is_empty() => key.to_owned(),
+            Some((key, _)) => format!("{path}.{key}"),
+            None => path,
+        };
+        let (mut found, allowed) = match message.split_once(", expected ") {
+            Some((found, allowed)) => explained(found, plain(allowed)),
+            None => (message.clone(), String::new()),
+        };
+        let meant = key.and_then(|(key, rest)| meant(key, rest));
+        if let Some(meant) = meant {
+            found = format!("{found}: did you mean `{meant}`?");
+        }
+        let missing = message
+            .strip_prefix(MISSING)
+            .and_then(|rest| rest.split_once('`'));
+        let kind = match (key, missing) {
+            (Some(_), _) => Kind::UnknownKey(meant.map(str::to_owned)),
+            (_, Some((key, _))) => Kind::Missing(key.to_owned()),
+            _ => Kind::Value,
+        };
+        let issue = Issue {
+            path,
+            table: None,
+            position,
+            found,
+            allowed,
+        };
+        Self { issue, kind }
+    }
+}
+
+/// A copy of the values of a spec in which problems are mended.
+struct Mended {
+    value: Value,
+    schema: Schema,
+    /// Keys whose values were removed: that they are missing is no other problem.
+    removed: Vec<(String, String)>,
+    unknown: Vec<Unknown>,
+}
+
+impl Mended {
+    /// Whether a key is missing because its value was removed.
+    fn is_removed(&self, found: &Found) -> bool {
+        let Kind::Missing(key) = &found.kind else {
+            return false;
+        };
+        let mut removed = self.removed.iter();
+        removed.any(|(path, removed)| *path == found.issue.path && removed == key)
+    }
+
+    /// Whether the version of the format is a filling.
+    fn has_no_version(&self) -> bool {
+        let is_version =
+            |unknown: &Unknown| matches!(unknown, Unknown::Within(path) if path == "sortie");
+        self.unknown.iter().any(is_version)
+    }
+
+    /// Mends a problem; `None` where that is not possible.
+    fn mend(&mut self, found: &Found) -> Option<()> {
+        let path = found.issue.path.as_str();
+        if let Kind::Missing(key) = &found.kind {
+            let of_key = &schema_at(&self.schema, path)["properties"][key];
+            let filling = filling(key, resolved(of_key, &self.schema), &self.schema, 0);
+            let keys = value_at(&mut self.value, path)?.as_mapping_mut()?;
+            let before = keys.insert(key.as_str().into(), filling);
+            self.unknown.push(Unknown::Within(match path {
+                "" => key.clone(),
+                _ => path.to_owned(),
+            }));
+            return before.is_none().then_some(());
+        }
+        let (parent, last) = split(path)?;
+        let value = value_at(&mut self.value, parent)?;
+        if let Some(index) = index_of(last) {
+            let of_item = &schema_at(&self.schema, parent)["items"];
+            let filling = filling("", resolved(of_item, &self.schema), &self.schema, 0);
+            let item = value.as_sequence_mut()?.get_mut(index)?;
+            if *item == filling {
+                return None;
+            }
+            *item = filling;
+            self.unknown.push(Unknown::Within(mapping_around(path)));
+            return Some(());
+        }
+        let keys = value.as_mapping_mut()?;
+        let was = keys.remove(last)?;
+        match &found.kind {
+            Kind::UnknownKey(Some(meant)) if !keys.contains_key(meant.as_str()) => {
+                keys.insert(meant.as_str().into(), was);
+            }
+            Kind::UnknownKey(_) => self.unknown.push(Unknown::At(parent.to_owned())),
+            _ => {
+                self.removed.push((parent.to_owned(), last.to_owned()));
+                self.unknown.push(Unknown::Within(mapping_around(path)));
+            }
+        }
+        Some(())
+    }
+}
+
+/// The keys and indices, with their `[`, of a path.
+fn steps(path: &str) -> impl Iterator<Item = &str> {
+    let keys = path.split('.').filter(|key| !key.is_empty());
+    keys.flat_map(|key| {
+        let (key, indices) = key.split_at(key.find('[').unwrap_or(key.len()));
+        let indices = indices.split_inclusive(']');
+        std::iter::once(key)
+            .filter(|key| !key.is_empty())
+            .chain(indices)
+    })
+}
+
+/// The index of a step such as `[3]`.
+fn index_of(step: &str) -> Option<usize> {
+    step.strip_prefix('[')?.strip_suffix(']')?.parse().ok()
+}
+
+fn value_at<'v>(root: &'v mut Value, path: &str) -> Option<&'v mut Value> {
+    steps(path).try_fold(root, |value, step| match index_of(step) {
+        Some(index) => value.as_sequence_mut()?.get_mut(index),
+        None => value.as_mapping_mut()?.get_mut(step),
+    })
+}
+
+fn schema_at<'s>(root: &'s Schema, path: &str) -> &'s Schema {
+    steps(path).fold(root, |schema, step| {
+        let next = match index_of(step) {
+            Some(_) => &schema["items"],
+            None => &schema["properties"][step],
+        };
+        resolved(next, root)
+    })
+}
+
+/// A path without its last key or index, and that; none of the root.
+fn split(path: &str) -> Option<(&str, &str)> {
+    let at = path.rfind(['.', '[']).unwrap_or(0);
+    let (parent, last) = path.split_at(at);
+    let last = last.trim_start_matches('.');
+    (!last.is_empty()).then_some((parent, last))
+}
+
+/// The mapping that has a value, or the key of the spec that has it.
+fn mapping_around(path: &str) -> String {
+    let key = path.trim_end_matches(|c: char| c == '[' || c == ']' || c.is_ascii_digit());
+    let around = split(key).map_or("", |(parent, _)| parent);
+    if around.is_empty() {
+        key.to_owned()
+    } else {
+        around.to_owned()
+    }
+}
+
+/// A value of a type that is needed, and within its range.
+fn filling(key: &str, schema: &Schema, root: &Schema, depth: usize) -> Value {
+    let kind = schema["type"].as_str().unwrap_or_default();
+    if let Some(word) = schema["enum"][0].as_str() {
+        return word.into();
+    }
+    let bound = |name: &str| schema[name].as_f64();
+    match kind {
+        "string" => "".into(),
+        "boolean" => false.into(),
+        "array" => Value::Sequence(Vec::new()),
+        "object" if depth < 8 => {
+            let required = schema["required"].as_array().into_iter().flatten();
+            let keys = required.filter_map(Schema::as_str).map(|key| {
+                let of_key = resolved(&schema["properties"][key], root);
+                (key.into(), filling(key, of_key, root, depth + 1))
+            });
+            Value::Mapping(keys.collect::<Mapping>())
+        }
+        "number" | "integer" => {
+            // The widest limit.
+            let is_most = key.starts_with("max_");
+            let least = bound("minimum").unwrap_or(0.0).max(0.0);
+            let value = bound("maximum").filter(|_| is_most).unwrap_or(least);
+            #[expect(clippy::cast_possible_truncation, reason = "bounds of a small schema")]
+            match kind {
+                "integer" => Value::Number((value as i64).into()),
+                _ => Value::Number(Number::from(value)),
+            }
+        }
+        _ => Value::Null,
+    }
+}
+
+/// The known key that is most like an unknown one, if any is; `rest` lists them in backticks.
+fn meant<'a>(key: &str, rest: &'a str) -> Option<&'a str> {
+    // Two of three letters are the same at least.
+    const LIKE: f64 = 0.67;
+    let known = || rest.split('`').skip(1).step_by(2);
+    // The unit was forgotten, or another one written.
+    let goes_on = |long: &str, short: &str| {
+        long.strip_prefix(short)
+            .is_some_and(|unit| unit.starts_with('_'))
+    };
+    let with_unit = known().filter(|known| goes_on(known, key) || goes_on(key, known));
+    if let Some(shortest) = with_unit.min_by_key(|known| known.len()) {
+        return Some(shortest);
+    }
+    let like = |known: &&str| strsim::normalized_damerau_levenshtein(key, known);
+    known()
+        .filter(|known| like(known) >= LIKE)
+        .max_by(|a, b| like(a).total_cmp(&like(b)))
+}
+
+/// What the parser found and expected of a number, in the words of the file.
+fn explained(found: &str, allowed: String) -> (String, String) {
+    let between = |before: &str| found.strip_prefix(before)?.strip_suffix('`');
+    // An integer is a number too, unless its digits are not decimal.
+    if let Some(value) = between("invalid type: integer `").filter(|_| allowed == "a number") {
+        let found = format!("{value} in hexadecimal, octal or binary digits");
+        return (
+            found,
+            format!("a number in decimal digits, such as {value}"),
+        );
+    }
+    let float = between("invalid type: floating point `");
+    if let Some(value) = float.and_then(|text| text.parse().ok()) {
+        let value = digits::plain(value);
+        return (format!("invalid type: floating point `{value}`"), allowed);
+    }
+    (found.to_owned(), allowed)
+}
+
+/// What the parser expected, in the words of the file.
+fn plain(expected: &str) -> String {
+    match expected {
+        "f64" => "a number".to_owned(),
+        "u32" | "u64" | "i64" => "a whole number".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        _ if expected.starts_with("struct ") => "keys with values".to_owned(),
+        _ => expected.to_owned(),
+    }
+}
