@@ -16,7 +16,7 @@ use crate::world::World;
 use super::deconfliction::Variants;
 use super::{Dispatched, Job};
 
-/// Most pairs that are moved apart: more are no remainder. One for every so many vehicles.
+/// Most pairs that are moved apart: more are no remainder. One for this number of vehicles.
 const VEHICLES_A_PAIR: usize = 10;
 /// Moves of one vehicle, for each pair, at most.
 const MOVES_A_PAIR: usize = 6;

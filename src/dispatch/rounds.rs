@@ -68,20 +68,33 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     }
     let mut best = best.unwrap_or(latest);
     best.rounds = rounds;
-    // Smaller fleets are planned as a whole where pairs are left.
-    if spec.vehicles.len() > crowd::MOST && !best.review.passes() && !run.is_cancelled() {
-        let moved = moved_apart(job, &best).map(|plan| {
-            let next = (rounds + 1, plan);
-            judged(job, &mut reviewer, next, Some(&best))
-        });
-        best = moved
-            .filter(|moved| moved.is_better_than(best.rank()))
-            .unwrap_or(best);
-    }
+    let mut best = without_remaining_pairs(job, &mut reviewer, best);
     if !best.review.passes() && !run.is_cancelled() {
         best.add_blockers(spec, world, run.seed, strictness);
     }
     best
+}
+
+/// A large fleet with single vehicles of the pairs that are left moved apart, if that is better.
+/// Smaller fleets are planned as a whole where pairs are left.
+fn without_remaining_pairs(
+    job: Job<'_>,
+    reviewer: &mut Reviewer<'_>,
+    best: Dispatched,
+) -> Dispatched {
+    let is_large = job.spec.vehicles.len() > crowd::MOST;
+    if !is_large || best.review.passes() || job.run.is_cancelled() {
+        return best;
+    }
+    let Some(plan) = moved_apart(job, &best) else {
+        return best;
+    };
+    let moved = judged(job, reviewer, (best.rounds + 1, plan), Some(&best));
+    if moved.is_better_than(best.rank()) {
+        moved
+    } else {
+        best
+    }
 }
 
 impl Dispatched {

@@ -15,12 +15,20 @@ KINDS = {
     "plane-land": ("ardupilot", "plane"),
     "quadplane": ("ardupilot", "vtol"),
     "px4-copter": ("px4", "copter"),
+    "px4-plane": ("px4", "plane"),
+    "px4-vtol": ("px4", "vtol"),
 }
 WINDS_MPS = [0, 2, 4, 5, 6, 8]
 # `check` fails these in more wind.
-MOST_WIND_MPS = {"quadplane": 4, "plane": 6, "plane-land": 6}
+MOST_WIND_MPS = {"vtol": 4, "plane": 6}
 # The greatest speed through the air that `check` allows a copter, less a little.
 COPTER_AIRSPEED_MPS = {"ardupilot": 13.0, "px4": 10.2}
+
+# PX4's own simulated wings fly 14 m/s (plane) and 12 m/s (VTOL) at full thrust, stall at 7 to 8.
+WING_SPEEDS_MPS = {
+    ("ardupilot", "plane"): [16, 18, 20], ("ardupilot", "vtol"): [16, 18, 20], ("px4", "plane"): [11, 12, 13],
+    ("px4", "vtol"): [9, 10, 11],
+}
 
 
 def place(east_m, north_m):
@@ -57,8 +65,9 @@ def make(kind, seed):
     if kind == "plane-land":
         # Without wind there is no such course.
         wind["speed_mps"] = max(wind["speed_mps"], 2)
-    wind["speed_mps"] = min(wind["speed_mps"], MOST_WIND_MPS.get(kind, wind["speed_mps"]))
-    course_deg = rng.uniform(0, 360)
+    wind["speed_mps"] = min(wind["speed_mps"], MOST_WIND_MPS.get(airframe, wind["speed_mps"]))
+    # PX4's simulated plane stands with its nose to the north, and takes off that way.
+    course_deg = rng.uniform(0, 360) * (kind != "px4-plane")
     draw = corners if kind == "zigzag" else copter if airframe == "copter" else wing
     vehicle, start, goal = draw(rng, autopilot, airframe, course_deg, wind["speed_mps"])
     if kind == "plane-land":
@@ -179,7 +188,7 @@ def wing(rng, autopilot, airframe, course_deg, wind_mps):
     length_m = rng.uniform(1400, 2400)
     start, goal = polar(400, course_deg), polar(400 + length_m, course_deg + rng.uniform(-25, 25))
     is_plane = airframe == "plane"
-    speed_mps = rng.choice([16, 18, 20])
+    speed_mps = rng.choice(WING_SPEEDS_MPS[autopilot, airframe])
     # No tighter than it turns with the wind behind it, through thinner air.
     turn_m = (1.06 * speed_mps + wind_mps) ** 2 / (9.80665 * math.sqrt(1.2**2 - 1))
     vehicle = {

@@ -7,10 +7,10 @@ import subprocess
 import time
 
 from . import missions, simulator
-from .dataflash import Truth
 from .tube import Tube, compare
 
-BUFFER_M = {"copter": 10.0, "zigzag": 10.0, "px4-copter": 10.0, "plane": 15.0, "plane-land": 15.0, "quadplane": 15.0}
+BUFFER_M = {"copter": 10.0, "zigzag": 10.0, "px4-copter": 10.0, "plane": 15.0, "plane-land": 15.0, "quadplane": 15.0,
+            "px4-plane": 15.0, "px4-vtol": 15.0}
 
 
 def run(*command, timeout=900):
@@ -77,9 +77,8 @@ def fly(options, kind, seed, slot):
 def fly_plan(options, flight, folders, given):
     (kind, seed, slot), (folder, out), (wind, spec) = flight, folders, given
     heading = missions.nose_deg(kind, seed, spec["vehicles"][0])
-    binary = options.copter if kind in ("copter", "zigzag") else options.plane
     place = (*home(out, "v"), heading)
-    child, link = simulator.ardupilot(binary, kind, folder / "sim", slot, place, wind, options.speedup)
+    child, link = simulator.start(options, kind, folder / "sim", slot, place, wind, options.speedup)
     began = time.monotonic()
     try:
         time.sleep(1)
@@ -103,9 +102,9 @@ def fly_plan(options, flight, folders, given):
 
 def measured(kind, folder):
     """The truth of a flight that is over against its verified trajectory."""
-    truth = Truth(sorted((folder / "sim" / "logs").glob("*.BIN"))[-1])
+    truth = simulator.truth(folder / "sim")
     trajectories = json.loads((folder / "trajectories.json").read_text())
-    figures, escapes = compare(Tube(trajectories["vehicles"][0]), truth, BUFFER_M[kind], kind in ("plane", "plane-land"))
+    figures, escapes = compare(Tube(trajectories["vehicles"][0]), truth, BUFFER_M[kind], missions.KINDS[kind][1] == "plane")
     return {
         "version": simulator.version(truth.texts), "flown_s": round(float(truth.t[-1] - truth.t0_s), 1),
         "escapes": escapes, "figures": figures,

@@ -1,8 +1,14 @@
 """Real simulators of autopilots, each a process of its own on loopback."""
 
+import math
+import os
 import pathlib
 import re
+import shutil
 import subprocess
+import time
+
+from . import dataflash, ulog
 
 # Model, the parameters in ArduPilot's tree that the simulator starts with.
 ARDUPILOT = {
@@ -12,6 +18,10 @@ ARDUPILOT = {
     "plane-land": ("plane", "models/plane.parm"),
     "quadplane": ("quadplane", "default_params/quadplane.parm"),
 }
+# The numbers of PX4's airframes for its own simulator (SIH).
+PX4 = {"px4-copter": 10040, "px4-plane": 10041, "px4-vtol": 10043}
+# One link in place of many: none of them may reach the port of another flight.
+PX4_LINK = "mavlink start -x -u {own} -o {port} -r 4000000 -f\nmavlink stream -r 10 -s GLOBAL_POSITION_INT -u {own}\n"
 # The whole wind from 10 m on, none on the ground, as below trees. One estimator instead of two: the same flight in less time.
 OWN = """SIM_WIND_SPD {speed_mps}
 SIM_WIND_DIR {from_deg}
@@ -50,15 +60,58 @@ def ardupilot(binary, kind, folder, instance, at, wind, speedup, sysid=1, more="
     return child, f"udpin:127.0.0.1:{port}"
 
 
+def px4(binary, kind, folder, instance, at, wind, speedup, sysid=1):
+    """Starts one, in lockstep; it speaks to UDP port 14550 + 10 * instance. Its wind needs SIH_WIND_N and SIH_WIND_E."""
+    folder.mkdir(parents=True, exist_ok=True)
+    binary = pathlib.Path(binary).resolve()
+    # Without write permission of its own the copy could not be changed.
+    shutil.copytree(binary.parent.parent / "etc", folder / "etc", copy_function=shutil.copyfile)
+    port = 14550 + 10 * instance
+    (folder / "etc/init.d-posix/px4-rc.mavlink").write_text(PX4_LINK.format(own=18570 + instance, port=port))
+    lat, lon, amsl_m, _ = at
+    to_rad, speed_mps = math.radians(wind["from_deg"] + 180), wind["speed_mps"]
+    own = {"PX4_SYS_AUTOSTART": PX4[kind], "PX4_SIMULATOR": "sihsim", "PX4_SIM_SPEED_FACTOR": speedup, "PX4_HOME_LAT": f"{lat:.7f}",
+           "PX4_HOME_LON": f"{lon:.7f}", "PX4_HOME_ALT": amsl_m, "PX4_PARAM_MAV_SYS_ID": sysid}
+    if kind != "px4-copter":
+        # Or it refuses a mission that ends in a circle.
+        own["PX4_PARAM_MIS_TKO_LAND_REQ"] = 0
+    if speed_mps:
+        own |= {"PX4_PARAM_SIH_WIND_N": round(speed_mps * math.cos(to_rad), 3),
+                "PX4_PARAM_SIH_WIND_E": round(speed_mps * math.sin(to_rad), 3)}
+    command = [str(binary), "-d", "-i", str(instance), "-w", str(folder.resolve()), "-s", "etc/init.d-posix/rcS", str(folder.resolve() / "etc")]
+    with open(folder / "simulator.txt", "w") as log:
+        child = subprocess.Popen(command, cwd=folder, env={**os.environ, **{k: str(v) for k, v in own.items()}},
+                                 stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT)
+    # It speaks when its script has ended, on a busy machine long after.
+    until = time.monotonic() + 60
+    while "Startup script returned" not in (folder / "simulator.txt").read_text(errors="replace") and time.monotonic() < until:
+        time.sleep(0.2)
+    return child, f"udpin:127.0.0.1:{port}"
+
+
+def start(options, kind, *given, **more):
+    """One of any kind, of the binaries that the command names."""
+    if kind in PX4:
+        return px4(options.px4, kind, *given, **more)
+    return ardupilot(options.copter if kind in ("copter", "zigzag") else options.plane, kind, *given, **more)
+
+
+def truth(folder):
+    """The truth in the newest log of a simulator."""
+    if logs := sorted(folder.glob("logs/*.BIN")):
+        return dataflash.Truth(logs[-1])
+    return ulog.Truth(sorted(folder.glob("log/*/*.ulg"))[-1])
+
+
 def end(child):
     child.kill()
     child.wait()
 
 
 def version(messages):
-    """The firmware that a log names, such as `ArduCopter V4.7.0-dev`."""
+    """The firmware that a log names, such as `ArduCopter V4.7.0-dev` or `PX4 1.18.0`."""
     for message in messages:
-        found = re.search(r"Ardu\w+ V\S+", message)
+        found = re.search(r"Ardu\w+ V\S+|^PX4 \d\S+", message)
         if found:
             return found.group(0)
     return "unknown"

@@ -11,8 +11,8 @@ import time
 import numpy as np
 import yaml
 
-from . import missions, one, raw, simulator
-from .dataflash import Truth, read
+from . import missions, one, raw, simulator, ulog
+from .dataflash import read
 from .tube import Tube, compare
 
 AT = (missions.LAT, missions.LON, missions.HOME_AMSL_M, 0)
@@ -41,7 +41,7 @@ def raw_flight(options, folder, rows, parameters, most_s, wind_mps=0):
         time.sleep(1)
     finally:
         simulator.end(child)
-    return Truth(sorted((folder / "sim" / "logs").glob("*.BIN"))[-1])
+    return simulator.truth(folder / "sim")
 
 
 def metres(truth):
@@ -117,7 +117,13 @@ def spec_of(name, vehicles, wind_mps=0, **more):
     return {**spec, "name": name, "vehicles": vehicles, **more}
 
 
-def fleet_flight(options, folder, spec, during=None, wind_mps=0, terrain=None, timeout=900):
+def kind_of(vehicle):
+    """The simulator of a vehicle of a spec."""
+    airframe = vehicle.get("airframe", "copter")
+    return next(kind for kind, of in missions.KINDS.items() if of == (vehicle["autopilot"], airframe))
+
+
+def fleet_flight(options, folder, spec, during=None, wind_mps=0, from_deg=270, terrain=None, timeout=900):
     """A fleet by `sortie fly`: the flight document and the truth of each vehicle."""
     vehicles = yaml.safe_load(spec)["vehicles"] if isinstance(spec, str) else spec["vehicles"]
     out, trajectories = one.plan(options.sortie, spec, folder)
@@ -125,12 +131,12 @@ def fleet_flight(options, folder, spec, during=None, wind_mps=0, terrain=None, t
         raise ValueError(trajectories)
     children, links = [], []
     for n, vehicle in enumerate(vehicles):
-        own, more = folder / f"sim{n}", ""
-        if terrain:
+        own, more = folder / f"sim{n}", {"sysid": vehicle["sysid"]}
+        if terrain and vehicle["autopilot"] == "ardupilot":
             shutil.copytree(terrain, own / "terrain")
-            more = "TERRAIN_ENABLE 1\nSIM_TERRAIN 1\n"
-        child, link = simulator.ardupilot(options.copter, "copter", own, options.instance + n, (*one.home(out, vehicle["id"]), 0),
-                                          {"speed_mps": wind_mps, "from_deg": 270}, options.speedup, vehicle["sysid"], more)
+            more["more"] = "TERRAIN_ENABLE 1\nSIM_TERRAIN 1\n"
+        place, wind = (*one.home(out, vehicle["id"]), 0), {"speed_mps": wind_mps, "from_deg": from_deg}
+        child, link = simulator.start(options, kind_of(vehicle), own, options.instance + n, place, wind, options.speedup, **more)
         children.append(child)
         links += ["--link", f"{vehicle['id']}={link}"]
     if during:
@@ -148,24 +154,25 @@ def fleet_flight(options, folder, spec, during=None, wind_mps=0, terrain=None, t
         flight = json.loads(done.stdout)
     except ValueError:
         raise ValueError(done.stderr[-2000:])
-    truths = {}
+    truths, tubes = {}, {of["id"]: Tube(of) for of in trajectories["vehicles"]}
     for n, vehicle in enumerate(vehicles):
-        truth = Truth(sorted((folder / f"sim{n}" / "logs").glob("*.BIN"))[-1])
-        tube = next(Tube(of) for of in trajectories["vehicles"] if of["id"] == vehicle["id"])
-        truth.figures, truth.escapes = compare(tube, truth, 10.0)
+        truth = simulator.truth(folder / f"sim{n}")
+        truth.figures, truth.escapes = compare(tubes[vehicle["id"]], truth, 10.0)
+        # All from one origin.
+        truth.points = tubes[vehicles[0]["id"]].metres(truth.lat, truth.lon, truth.amsl)
         truths[vehicle["id"]] = truth
     return flight, truths
 
 
 def summary(flight, truths):
     """What a fleet did, by its own record and by the truth."""
-    frames = {name: (truth.t - truth.t0_s, metres(truth)) for name, truth in truths.items()}
+    frames = {name: (truth.t - truth.t0_s, truth.points) for name, truth in truths.items()}
     nearest, names = None, list(frames)
     for n, a in enumerate(names):
         for b in names[n + 1:]:
             t = np.arange(1, min(frames[a][0][-1], frames[b][0][-1]), 0.1)
             p, q = (np.stack([np.interp(t, frames[k][0], frames[k][1][:, axis]) for axis in range(3)], axis=-1) for k in (a, b))
-            up = (p[:, 2] > 1) & (q[:, 2] > 1)
+            up = (p[:, 2] > frames[a][1][0, 2] + 1) & (q[:, 2] > frames[b][1][0, 2] + 1)
             if up.any():
                 least = float(np.linalg.norm(p - q, axis=1)[up].min())
                 nearest = least if nearest is None else min(nearest, least)
@@ -236,23 +243,63 @@ def disturbed(options, folder, name, parameters, after_s=60):
             "texts": [text for text in truths["v"].texts if "attery" in text or "ence" in text]}
 
 
-def jacksboro(options, folder, wind_mps=0):
-    """The shipped mission with ArduCopters alone, over its terrain."""
-    shipped = pathlib.Path(__file__).resolve().parents[2] / "missions"
-    spec = (shipped / "jacksboro.yaml").read_text().replace("autopilot: px4", "autopilot: ardupilot")
-    if wind_mps:
-        spec += f"\nwind: {{from_deg: 270, speed_mps: {wind_mps}}}\n"
-    (folder / "terrain").mkdir(parents=True)
-    shutil.copy(shipped / "terrain/jacksboro.tif", folder / "terrain")
-    (folder / "spec.yaml").write_text(spec)
-    done = one.run(options.sortie, "terrain", "export", folder / "spec.yaml", "--out", folder / "dat")
-    if done.returncode != 0:
-        raise ValueError(done.stderr)
-    return summary(*fleet_flight(options, folder, spec, wind_mps=wind_mps, terrain=folder / "dat", timeout=5400))
+def shipped(options, folder, name, wind=None, autopilot=None):
+    """A shipped mission over its terrain, in the wind that its spec then has."""
+    missions_of = pathlib.Path(__file__).resolve().parents[2] / "missions"
+    spec = yaml.safe_load((missions_of / f"{name}.yaml").read_text())
+    if wind is not None:
+        spec["wind"] = wind
+    for vehicle in spec["vehicles"]:
+        vehicle["autopilot"] = autopilot or vehicle["autopilot"]
+    terrain = None
+    if file := spec["terrain"].get("file"):
+        (folder / "terrain").mkdir(parents=True)
+        shutil.copy(missions_of / file, folder / "terrain")
+        (folder / "spec.yaml").write_text(json.dumps(spec))
+        terrain = folder / "dat"
+        done = one.run(options.sortie, "terrain", "export", folder / "spec.yaml", "--out", terrain)
+        if done.returncode != 0:
+            raise ValueError(done.stderr)
+    wind = spec.get("wind", {"speed_mps": 0, "from_deg": 0})
+    return summary(*fleet_flight(options, folder, json.dumps(spec), wind_mps=wind["speed_mps"], from_deg=wind["from_deg"],
+                                 terrain=terrain, timeout=2400))
+
+
+def jacksboro(options, folder):
+    """With ArduCopters alone."""
+    return shipped(options, folder, "jacksboro", autopilot="ardupilot")
 
 
 def jacksboro_in_wind(options, folder):
-    return jacksboro(options, folder, 5)
+    return shipped(options, folder, "jacksboro", {"from_deg": 270, "speed_mps": 5}, "ardupilot")
+
+
+def harbour(options, folder):
+    """With PX4 copters, in the wind of its spec."""
+    return shipped(options, folder, "harbour")
+
+
+def harbour_in_none(options, folder):
+    return shipped(options, folder, "harbour", {"from_deg": 240, "speed_mps": 0})
+
+
+def harbour_in_wind(options, folder):
+    return shipped(options, folder, "harbour", {"from_deg": 240, "speed_mps": 5})
+
+
+def inspection(options, folder):
+    """Stops and actions, an ArduCopter and a PX4 copter: how far from each stop the vehicle was when its camera was told to."""
+    made = shipped(options, folder, "inspection")
+    log = sorted((folder / "sim1").glob("log/*/*.ulg"))[-1].read_bytes()
+    of = ulog.read(log, ["vehicle_command"])[0]["vehicle_command"]
+    commands = [(round(t * 1e-6, 1), number) for t, number in zip(of["timestamp"], of["command"]) if number >= 1000 or 180 < number < 210]
+    item = read(sorted((folder / "sim0" / "logs").glob("*.BIN"))[-1].read_bytes(), ["MISE"])["MISE"]
+    return {**made, "px4_commands": commands, "ardupilot_items": [(round(t * 1e-6, 1), n) for t, n in zip(item["TimeUS"], item["CId"])]}
+
+
+def survey(options, folder):
+    """Lines and pictures, two ArduCopters and two PX4 copters."""
+    return shipped(options, folder, "survey")
 
 
 def battery(options, folder):
@@ -265,4 +312,5 @@ def fence(options, folder):
 
 SPECIAL = {"zigzag": zigzag, "land-aside": land_aside, "after-unlimited": after_unlimited, "spline": spline,
            "servo": servo, "fleet": fleet, "battery": battery, "fence": fence, "jacksboro": jacksboro,
-           "jacksboro-wind": jacksboro_in_wind}
+           "jacksboro-wind": jacksboro_in_wind, "harbour": harbour, "harbour-still": harbour_in_none,
+           "harbour-wind": harbour_in_wind, "inspection": inspection, "survey": survey}

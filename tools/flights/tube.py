@@ -88,6 +88,8 @@ def compare(tube, truth, buffer_m, is_plane=False):
                                    "drift_down_m", "touchdown_m")}
     escapes = []
     up = points[:, 2] - ground_m > 2.0
+    # One that stands says nothing of its time, only where it stands.
+    goes = np.hypot(*np.gradient(points[:, :2], axis=0).T) > MOVES_MPS * np.maximum(np.gradient(t), 1e-3)
     # A plane may be at the height of its start at once: judged by the ceiling.
     climb_out = 1 if is_plane else -1
     first_late = None
@@ -118,7 +120,7 @@ def compare(tube, truth, buffer_m, is_plane=False):
             if value[worst] > buffer_m:
                 escapes.append({"what": what, "row": int(order[row]), "t_s": round(float(t[here][worst]), 1),
                                 "value": round(float(value[worst]), 2), "limit": buffer_m})
-        moves = (tube.speed[segment] > MOVES_MPS) & (at > 0) & (at < 1) & np.isfinite(tube.to_s[segment])
+        moves = goes[here] & (tube.speed[segment] > MOVES_MPS) & (at > 0) & (at < 1) & np.isfinite(tube.to_s[segment])
         # One that comes past the column of its takeoff again is not late in its climb.
         moves &= (tube_rank[segment] > 0) | (row == 0)
         if is_column or not moves.any() or not lands and row == last:

@@ -106,7 +106,11 @@ impl HealthState {
                 self.take_estimate(why);
             }
             Health::Estimator { ratios, flags } => {
-                let why = wrong(ratios, ESTIMATOR_RATIO, *flags).or_else(|| {
+                // PX4 has no number for a compass that it does not use at the moment.
+                let [velocity, position, altitude, compass] = *ratios;
+                let compass = if compass.is_nan() { 0.0 } else { compass };
+                let used = [velocity, position, altitude, compass];
+                let why = wrong(&used, ESTIMATOR_RATIO, *flags).or_else(|| {
                     let has = |flag: u16| flags & flag != 0;
                     let glitch = has(GPS_GLITCH).then_some("the GPS jumps");
                     let why = glitch.or(has(ACCEL_ERROR).then_some("the accelerometer is bad"));
@@ -204,4 +208,28 @@ fn wrong(values: &[f32; 4], limit: f32, flags: u16) -> Option<String> {
         return Some("it has no absolute position".to_owned());
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BAD_REPORTS, HealthState};
+    use crate::link::Health;
+
+    fn alarm_of(ratios: [f32; 4]) -> Option<String> {
+        let mut state = HealthState::default();
+        for _ in 0..BAD_REPORTS {
+            let flags = super::POSITION_KNOWN;
+            state.report(&Health::Estimator { ratios, flags });
+        }
+        state.estimate()
+    }
+
+    #[test]
+    fn a_compass_that_px4_does_not_use_is_no_alarm() {
+        assert_eq!(alarm_of([0.1, 0.1, 0.1, f32::NAN]), None);
+        let position = alarm_of([0.1, f32::NAN, 0.1, 0.1]);
+        assert!(position.is_some_and(|text| text.contains("position variance NaN")));
+        let compass = alarm_of([0.1, 0.1, 0.1, 1.5]);
+        assert!(compass.is_some_and(|text| text.contains("compass variance 1.5")));
+    }
 }

@@ -14,12 +14,12 @@ pub(super) fn canyon(rng: &mut Rng) -> Problem {
     const STEP_M: f64 = 450.0;
     /// Hills from one step before the start to one behind the goal.
     const STEPS: usize = 41;
-    let (swing_m, wave_m) = (
+    let (bow_m, wave_m) = (
         rng.random_range(800.0..1400.0),
         rng.random_range(6000.0..9000.0),
     );
     let (turn, half_m) = (rng.random_range(0.0..TAU), rng.random_range(900.0..1200.0));
-    let middle = |east_m: f64| (east_m, swing_m * (TAU * east_m / wave_m + turn).sin());
+    let middle = |east_m: f64| (east_m, bow_m * (TAU * east_m / wave_m + turn).sin());
     let area = ((-1000.0, -5000.0), (LENGTH_M + 1000.0, 5000.0));
     let mut problem = Problem::new(area, (middle(0.0), middle(LENGTH_M)));
     problem.max_amsl_m = BASE_AMSL_M + 250.0;

@@ -168,22 +168,32 @@ impl Problem {
     fn text(&self, family: Family, seed: u64) -> String {
         /// Items that a long or winding path may need.
         const ITEMS: usize = 600;
-        let frame = LocalFrame::new(ORIGIN);
-        let place = |(east_m, north_m): At| frame.from_plan(EastNorth { east_m, north_m });
-        let named = |at: At| {
-            let place = place(at);
-            format!("lat: {:.7}, lon: {:.7}", place.lat_deg, place.lon_deg)
-        };
         let name = family.name();
-        let mut text = format!(
+        let vehicle = format!(
+            "vehicles:\n  - {{id: alpha, sysid: 1, autopilot: ardupilot, link: sim, finish: land, speed_mps: {}, \
+             max_climb_deg: {:.2}, max_descent_deg: {:.2},\n     start: {{{}, agl_m: 60}}, goal: {{{}, agl_m: 60}}}}\n",
+            self.speed_mps,
+            self.slopes_deg.0,
+            self.slopes_deg.1,
+            named(self.ends.0),
+            named(self.ends.1),
+        );
+        format!(
             "# Written by `sortie study scenario --family {name} --seed {seed}`.\n\
              sortie: 1\nname: {name}-{seed}\n\
              area: {{south_west: {{{}}}, north_east: {{{}}}, min_agl_m: 40, max_amsl_m: {:.0}}}\n\
-             mission: {{max_items: {ITEMS}}}\nterrain:\n  analytic:\n    base_amsl_m: {BASE_AMSL_M}\n    hills:",
+             mission: {{max_items: {ITEMS}}}\n{}{}{}{vehicle}",
             named(self.area.0),
             named(self.area.1),
             self.max_amsl_m,
-        );
+            self.terrain(),
+            self.threats(),
+            self.zones(),
+        )
+    }
+
+    fn terrain(&self) -> String {
+        let mut text = format!("terrain:\n  analytic:\n    base_amsl_m: {BASE_AMSL_M}\n    hills:");
         text.push_str(if self.hills.is_empty() { " []\n" } else { "\n" });
         for Round {
             at,
@@ -197,24 +207,26 @@ impl Problem {
                 named(*at)
             );
         }
-        text.push_str(if self.threats.is_empty() {
-            ""
-        } else {
-            "threats:\n"
-        });
+        text
+    }
+
+    fn threats(&self) -> String {
+        let mut text = String::new();
         for (index, Round { at, radius_m, .. }) in self.threats.iter().enumerate() {
+            text.push_str(if index == 0 { "threats:\n" } else { "" });
             let _ = writeln!(
                 text,
                 "  - {{id: t{index}, {}, radius_m: {radius_m:.1}}}",
                 named(*at)
             );
         }
-        text.push_str(if self.zones.is_empty() {
-            ""
-        } else {
-            "no_fly:\n"
-        });
+        text
+    }
+
+    fn zones(&self) -> String {
+        let mut text = String::new();
         for (index, zone) in self.zones.iter().enumerate() {
+            text.push_str(if index == 0 { "no_fly:\n" } else { "" });
             let corners = zone.corners.iter().map(|at| {
                 let place = place(*at);
                 format!("[{:.7}, {:.7}]", place.lat_deg, place.lon_deg)
@@ -230,18 +242,18 @@ impl Problem {
                 corners.join(", ")
             );
         }
-        let _ = writeln!(
-            text,
-            "vehicles:\n  - {{id: alpha, sysid: 1, autopilot: ardupilot, link: sim, finish: land, speed_mps: {}, \
-             max_climb_deg: {:.2}, max_descent_deg: {:.2},\n     start: {{{}, agl_m: 60}}, goal: {{{}, agl_m: 60}}}}",
-            self.speed_mps,
-            self.slopes_deg.0,
-            self.slopes_deg.1,
-            named(self.ends.0),
-            named(self.ends.1),
-        );
         text
     }
+}
+
+fn place((east_m, north_m): At) -> LatLon {
+    LocalFrame::new(ORIGIN).from_plan(EastNorth { east_m, north_m })
+}
+
+/// The keys of a place.
+fn named(at: At) -> String {
+    let place = place(at);
+    format!("lat: {:.7}, lon: {:.7}", place.lat_deg, place.lon_deg)
 }
 
 /// Random numbers of a problem.
