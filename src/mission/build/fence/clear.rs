@@ -206,7 +206,7 @@ mod tests {
     use super::{LocalFrame, Plane};
     use crate::geodesy::LatLon;
 
-    /// A degree of longitude is 1 % shorter at the northern edge than in the middle.
+    /// A degree of longitude is 1.1 % shorter at the northern edge than in the middle, as much longer at the southern.
     #[test]
     fn what_stands_for_a_circle_holds_it_also_at_the_edge_of_a_tall_area() {
         let at = |lat_deg: f64, lon_deg: f64| LatLon { lat_deg, lon_deg };
@@ -218,7 +218,7 @@ mod tests {
                 let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
                 let away = frame.to_plan(plane.place(middle));
                 let away_m = away.east_m.hypot(away.north_m);
-                assert!((700.0..712.0).contains(&away_m), "{center:?}: {away_m}");
+                assert!((700.0..721.0).contains(&away_m), "{center:?}: {away_m}");
             }
         }
     }
