@@ -132,7 +132,7 @@ impl Assignment<'_> {
             let visits = &assigned.visits[vehicle];
             let at = visits.iter().position(|visit| visit.0 == job).unwrap_or(0);
             let length = rng.random_range(1..=MOST_IN_STRING.min(visits.len()));
-            let first = (at + 1).saturating_sub(length).max(0);
+            let first = (at + 1).saturating_sub(length);
             let last = at.min(visits.len() - length);
             let first = rng.random_range(first..=last.max(first));
             let string = visits.iter().skip(first).take(length).map(|visit| visit.0);
