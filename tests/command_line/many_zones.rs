@@ -73,12 +73,12 @@ fn zones(
 }
 
 fn planned(folder: &Path, spec: &str, out: &str) -> (Value, Value) {
-    fs::write(folder.join("city.yaml"), spec).unwrap();
+    fs::write(folder.join("city.yaml"), spec).expect("written");
     let done = sortie(folder, &["plan", "city.yaml", "--out", out]);
     assert_eq!(done.status.code(), Some(0), "{}", text(&done.stdout));
     let read = |name: &str| {
-        let bytes = fs::read(folder.join(out).join(name)).unwrap();
-        serde_json::from_slice(&bytes).unwrap()
+        let bytes = fs::read(folder.join(out).join(name)).expect("a file");
+        serde_json::from_slice(&bytes).expect("JSON")
     };
     (read("plan.json"), read("timing.json"))
 }
