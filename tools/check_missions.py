@@ -97,7 +97,7 @@ def compare(spec_path, files, margins):
     origin = touches["lat"], touches["lon"]
     slack, vertical = spec["separation"]["time_slack_s"], spec["separation"].get("vertical_m")
     fleet = list(flights.values())
-    late = max(flight.late for flight in fleet) + max(flight.takeoff_late(fleet[0]) for flight in fleet)
+    late = max(flight.late for flight in fleet) + max(one.takeoff_late(other) for one in fleet for other in fleet)
     horizon = max(flight.horizon() for flight in fleet) + slack + late + 1
     for flight in flights.values():
         flight.stay_until(horizon)

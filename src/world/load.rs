@@ -62,7 +62,7 @@ pub fn load(file: &SpecFile) -> Result<World, SpecError> {
     }
 }
 
-/// Planes whose course to their landing is left open, and of which none is free.
+/// Planes whose course to their landing is left open, where no course is free.
 fn no_approach(file: &SpecFile, world: &World) -> Vec<Issue> {
     let vehicles = file.spec.vehicles.iter().zip(&world.stations).enumerate();
     let blocked = vehicles.filter(|(_, (vehicle, stations))| {

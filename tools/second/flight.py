@@ -11,7 +11,8 @@ from .earth import A, axes, distance, ecef, geodetic
 G = 9.80665
 SAME_M = 0.025
 SLOW_M = 10.0
-TAKEOFF_LATE, STOP_LATE, PX4_LEG_LATE, CORNER_LATE = 12.0, 4.5, 1.5, 0.2
+TAKEOFF_LATE, PX4_TAKEOFF_LATE = 12.0, 14.0
+STOP_LATE, PX4_LEG_LATE, CORNER_LATE = 4.5, 1.5, 0.2
 JERK, PX4_TURNING = 1.0, 0.5
 # Change of course, degrees, and the seconds more than overlapping profiles take.
 MORE_DEG = [0, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 180]
@@ -448,8 +449,9 @@ class Flight:
         return wide[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
 
     def takeoff_late(self, other):
-        """By how much the other of two copters may be late against this one, or early, from their takeoffs on."""
-        return 0.0 if self.ardupilot == other.ardupilot else TAKEOFF_LATE
+        """By how much this of two copters may be late against the other from their takeoffs on."""
+        own = TAKEOFF_LATE if self.ardupilot else PX4_TAKEOFF_LATE
+        return 0.0 if self.ardupilot == other.ardupilot else own
 
     def horizon(self):
         return max(m.end if math.isfinite(m.end) else m.start for m in self.motions)

@@ -88,10 +88,8 @@ def separation(a, b, slack, vertical, loose):
     less by how far beside their ways the two may be."""
     spans = [(f.motions[0].start, f.motions[-1].end) for f in (a, b)]
     (a0, a1), (b0, b1) = spans
-    late = a.takeoff_late(b)
-    gap = max(a0 - b1 - b.late, b0 - a1 - a.late) - late
-    slack += late
-    if gap > slack - late:
+    gap = max(a0 - b1 - b.late - b.takeoff_late(a), b0 - a1 - a.late - a.takeoff_late(b))
+    if gap > slack:
         return "gap", gap, 0.0, 0.0
     if vertical is None:
         return "m", *search(a, b, slack, spans, "space"), loose
@@ -106,9 +104,10 @@ class Pair:
     """The distance of one vehicle at `t` and another at `t + s`."""
 
     def __init__(self, a, b, slack, spans, kind, level):
-        self.a, self.b, self.slack, self.kind, self.level = a, b, slack, kind, level
+        self.a, self.b, self.kind, self.level = a, b, kind, level
+        self.slack_a, self.slack_b = slack + a.takeoff_late(b), slack + b.takeoff_late(a)
         (self.a0, self.a1), (self.b0, self.b1) = spans
-        self.widest = slack + max(a.late, b.late)
+        self.widest = max(self.slack_a + a.late, self.slack_b + b.late)
         self.fast_a, self.fast_b = Fastest(a), Fastest(b)
 
     def values(self, t, s):
@@ -117,7 +116,7 @@ class Pair:
         (p, p_amsl), (q, q_amsl) = self.a.where(t), self.b.where(u)
         across, up = np.linalg.norm(p - q, axis=-1), np.abs(p_amsl - q_amsl)
         wide = self.a.wide_at(t) + self.b.wide_at(u)
-        counts = (u - t <= self.slack + self.a.late_at(t) + 1e-9) & (t - u <= self.slack + self.b.late_at(u) + 1e-9)
+        counts = (u - t <= self.slack_a + self.a.late_at(t) + 1e-9) & (t - u <= self.slack_b + self.b.late_at(u) + 1e-9)
         if self.kind == "horizontal":
             return np.maximum(across - wide, 0), up - wide, counts & (up - wide < self.level)
         apart = np.hypot(across, up) if self.kind == "space" else up
@@ -135,12 +134,12 @@ class Pair:
 
     def allowed(self, t, s):
         """The nearest shifts that count, or nearly: before its stops a vehicle is less late."""
-        return np.clip(s, -self.slack - self.b.late_at(t), self.slack + self.a.late_at(t))
+        return np.clip(s, -self.slack_b - self.b.late_at(t), self.slack_a + self.a.late_at(t))
 
     def may_count(self, t, s, ht, hs):
         """Whether cells of these half widths hold a shift that counts: stops make late, and never less so later."""
-        later = s - hs <= self.slack + self.a.late_at(t + ht)
-        return later & (-s - hs <= self.slack + self.b.late_at(t + s + ht + hs))
+        later = s - hs <= self.slack_a + self.a.late_at(t + ht)
+        return later & (-s - hs <= self.slack_b + self.b.late_at(t + s + ht + hs))
 
     def descend(self, t, s, step):
         """A low value near some places: the compass, with smaller and smaller steps."""

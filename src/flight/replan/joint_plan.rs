@@ -172,7 +172,7 @@ impl<'a> JointPlan<'a> {
             start: from,
             goal: to,
             landing: to.at,
-            // Whoever is led onto a new path lands from anywhere.
+            // On a new path a vehicle lands from anywhere.
             landing_rad: None,
             goal_ground: ground(&self.world, to),
             stops: Vec::new(),

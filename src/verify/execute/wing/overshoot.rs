@@ -22,8 +22,8 @@ const EVERY: usize = 10;
 const WITHIN_S: f64 = 2.0;
 /// Legs after the place at the end of a hull that a wing swings beside.
 const ARRIVAL_LEGS: usize = 3;
-/// A plane that is early at the height of its takeoff goes on from there or from so far on the rest of the
-/// planned way, in so many steps: 4.6.3 had it after 0.20 to 0.43 of that way.
+/// A plane that is early at the height of its takeoff goes on from there, or from up to this share of the rest of
+/// the planned way, in steps: 4.6.3 had it after 0.20 to 0.43 of that way.
 const LATER_SHARE: f64 = 0.3;
 const LATER_STEPS: u8 = 3;
 /// Courses on which it may come to that place are no further apart, radians.
