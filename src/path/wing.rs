@@ -98,16 +98,7 @@ pub(super) fn approach(
 /// Where a vehicle touches down at the end, and its approach to there, if it needs one.
 #[must_use]
 pub fn landing(vehicle: &Vehicle, stations: &Stations) -> (PlanPoint, Option<Approach>) {
-    let (touchdown, from) = match vehicle.finish {
-        Finish::Return => (stations.home, stations.start.amsl),
-        Finish::Land | Finish::Loiter => {
-            let touchdown = PlanPoint {
-                at: stations.landing,
-                amsl: stations.goal_ground,
-            };
-            (touchdown, stations.goal.amsl)
-        }
-    };
+    let (touchdown, from) = stations.touchdown(vehicle.finish);
     (
         touchdown,
         approach(vehicle, stations.landing_rad, touchdown, from),

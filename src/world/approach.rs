@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use super::{Stations, World};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::geometry;
-use crate::spec::{Airframe, ApproachLengths, Finish, MissionSpec, Vehicle, Wind};
+use crate::spec::{Airframe, ApproachLengths, MissionSpec, Vehicle, Wind};
 
-/// Courses that are tried are so far apart, radians, to either side of the wind.
+/// Step from one course that is tried to the next, radians, to either side of the wind.
 const STEP_RAD: f64 = 15.0 * PI / 180.0;
 const STEPS: u8 = 12;
 /// Places that are looked at are no further apart, metres.
@@ -27,7 +27,7 @@ struct Candidate<'a> {
 }
 
 impl Candidate<'_> {
-    /// The place so far before the touchdown, and so far to the right.
+    /// The place at a distance before the touchdown, and at one to the right of the course.
     fn at(&self, before_m: f64, aside_m: f64) -> EastNorth {
         let (sin, cos) = self.course_rad.sin_cos();
         EastNorth {
@@ -87,16 +87,7 @@ impl World {
     /// a landing; none if there is no such course.
     pub(super) fn free_landing_rad(&self, vehicle: &Vehicle, stations: &Stations) -> Option<f64> {
         let wind = vehicle.approach_wind()?;
-        let (touchdown, from) = match vehicle.finish {
-            Finish::Return => (stations.home, stations.start.amsl),
-            Finish::Land | Finish::Loiter => {
-                let touchdown = PlanPoint {
-                    at: stations.landing,
-                    amsl: stations.goal_ground,
-                };
-                (touchdown, stations.goal.amsl)
-            }
-        };
+        let (touchdown, from) = stations.touchdown(vehicle.finish);
         let lengths = vehicle.approach_lengths(from.0 - touchdown.amsl.0)?;
         let turns_m = vehicle.wing?.loiter_radius_m;
         let is_free = |course_rad: &f64, aside_m: f64| {

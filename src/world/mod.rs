@@ -54,11 +54,11 @@ pub struct Stations {
     pub goal: PlanPoint,
     /// Where the vehicle lands if it lands at the goal: the place that the spec gives.
     pub landing: EastNorth,
+    /// The ground there.
+    pub goal_ground: Amsl,
     /// The course on which a wing comes to its landing, radians clockwise from north: that of the spec,
     /// or where it leaves it open one into the wind. None: from anywhere.
     pub landing_rad: Option<f64>,
-    /// The ground there.
-    pub goal_ground: Amsl,
     /// The stops between start and goal, in the order of the vehicle's.
     pub stops: Vec<PlanPoint>,
 }
@@ -192,6 +192,21 @@ impl World {
 }
 
 impl Stations {
+    /// Where the vehicle touches down at the end, on the ground, and the altitude from which it comes there.
+    #[must_use]
+    pub fn touchdown(&self, finish: Finish) -> (PlanPoint, Amsl) {
+        match finish {
+            Finish::Return => (self.home, self.start.amsl),
+            Finish::Land | Finish::Loiter => {
+                let touchdown = PlanPoint {
+                    at: self.landing,
+                    amsl: self.goal_ground,
+                };
+                (touchdown, self.goal.amsl)
+            }
+        }
+    }
+
     /// Those of a vehicle, over a terrain.
     fn of(spec: &MissionSpec, vehicle: &Vehicle, terrain: &Terrain) -> Result<Self, NoData> {
         let frame = spec.frame;

@@ -16,21 +16,13 @@ use support::plans::{EAST, NORTH, SOUTH, WEST};
 use support::{copter, empty_spec, world};
 
 pub(crate) fn stop(id: &str, place: LatLon, hold_s: f64) -> Stop {
+    let end = EndPoint {
+        place,
+        altitude: Placement::Agl(Agl(80.0)),
+    };
     Stop {
-        id: id.to_owned(),
-        end: EndPoint {
-            place,
-            altitude: Placement::Agl(Agl(80.0)),
-        },
         hold_s,
-        acceptance_radius_m: None,
-        heading_rad: None,
-        actions: Vec::new(),
-        speed_mps: None,
-        window_s: None,
-        wait_s: 0.0,
-        arrives: Arrival::Planned,
-        trigger_m: None,
+        ..Stop::passing(id, end)
     }
 }
 
