@@ -124,7 +124,8 @@ impl<'a> FlownTrack<'a> {
     }
 
     /// Indices of positions on the route: neither in the column of the takeoff nor in that
-    /// of the landing, nor below a place where a load is put down; of a plane, neither on its climb-out nor on its glide.
+    /// of the landing, nor below a place where a load is put down; of a plane, neither on its
+    /// climb-out nor on its glide.
     pub(super) fn on_route(&self) -> impl Iterator<Item = usize> {
         let first = self.flight.plans.first().map(|plan| &plan.reference);
         let home = first.and_then(|plan| plan.waypoints.first().map(|w| w.point.at));

@@ -8,7 +8,7 @@ use crate::simulator::parameters::Limits;
 
 /// What release and the measurement of the thrust take, milliseconds.
 const RELEASE_MS: u64 = 5000;
-/// So near is the load to the ground that it lies there, metres.
+/// Height above ground at which the load is down, metres.
 const TOUCHES_M: f64 = 0.05;
 
 /// A load that is being placed.

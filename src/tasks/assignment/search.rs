@@ -80,11 +80,9 @@ impl Assignment<'_> {
         let apart = |one: usize, other: usize| {
             let sites = |job: usize| self.jobs[job].visits.iter().map(|visit| visit.place);
             let pairs = sites(one).flat_map(|from| sites(other).map(move |to| (from, to)));
-            let ways = self
-                .vehicles
-                .iter()
-                .take(1)
-                .flat_map(|own| pairs.clone().filter_map(|(from, to)| own.ways[from][to]));
+            // Vehicles of one fleet differ little in what is near.
+            let own = self.vehicles.first();
+            let ways = pairs.filter_map(|(from, to)| own?.ways[from][to]);
             ways.map(|way| way.time).min().unwrap_or(u32::MAX)
         };
         let order = |one: &usize| {

@@ -2,6 +2,7 @@
 
 use crate::geodesy::{LatLon, bend_m};
 use crate::mission::{Item, command};
+use crate::numeric::geometry;
 
 use crate::verify::measure::outline::{Cylinder, Keep, Outline};
 use crate::verify::measure::segment::Stretch;
@@ -191,13 +192,12 @@ fn edges(corners: &[LatLon], parts: u32) -> impl Iterator<Item = Stretch> + '_ {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).flat_map(move |(from, to)| {
         let bend_m = bend_m(from.chord_m(*to), from.lat_deg.abs().max(to.lat_deg.abs()));
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "clamped to a small positive count"
-        )]
-        let finer = (bend_m / (0.2 * COVER_M)).sqrt().ceil().clamp(1.0, 1e4) as u32;
-        let parts = if parts > 1 { parts.max(finer) } else { 1 };
+        let finer = geometry::steps(bend_m.sqrt(), (0.2 * COVER_M).sqrt(), (1, 10_000));
+        let parts = if parts > 1 {
+            parts.max(finer.into())
+        } else {
+            1
+        };
         let along = move |part: u32| {
             let share = f64::from(part) / f64::from(parts);
             LatLon {

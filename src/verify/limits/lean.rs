@@ -42,8 +42,8 @@ impl Contract<'_> {
         if !margin.ok {
             // Down to what can be written with one decimal.
             let most_mps = (10.0 * over_ground_mps).floor() / 10.0;
-            margin.note =
-                format!("through the air; in this wind speed_mps may be {most_mps:.1} at most");
+            let wind = self.spec.wind.map_or("", |_| "in this wind ");
+            margin.note = format!("through the air; {wind}speed_mps may be {most_mps:.1} at most");
         }
         Some(margin)
     }

@@ -206,7 +206,8 @@ mod tests {
     use super::{LocalFrame, Plane};
     use crate::geodesy::LatLon;
 
-    /// A degree of longitude is 1.1 % shorter at the northern edge than in the middle, as much longer at the southern.
+    /// A degree of longitude is 1.1 % shorter at the northern edge than in the middle, and as much
+    /// longer at the southern one.
     #[test]
     fn what_stands_for_a_circle_holds_it_also_at_the_edge_of_a_tall_area() {
         let at = |lat_deg: f64, lon_deg: f64| LatLon { lat_deg, lon_deg };

@@ -315,10 +315,8 @@ impl Pilot<'_> {
                 continue;
             }
             let to_abeam = -gone / (1.0 - gone);
-            let abeam = EastNorth {
-                east_m: at.east_m + (to.at.east_m - at.east_m) * to_abeam,
-                north_m: at.north_m + (to.at.north_m - at.north_m) * to_abeam,
-            };
+            let [back, end] = [at, to.at].map(|at| PlanPoint { at, ..hull.middle });
+            let abeam = back.toward(end, to_abeam).at;
             lay([at, abeam], (0.0, 0.0))?;
             lay([abeam, to.at], (0.0, 1.0))?;
         }

@@ -169,7 +169,11 @@ impl Pilot<'_> {
         }
         let later = top.into_iter().flat_map(|top| {
             let share = |step: u8| LATER_SHARE * f64::from(step) / f64::from(LATER_STEPS);
-            (1..=LATER_STEPS).map(move |step| on_way(early.point, top.at, share(step)))
+            let level = PlanPoint {
+                at: top.at,
+                ..early.point
+            };
+            (1..=LATER_STEPS).map(move |step| early.point.toward(level, share(step)))
         });
         let tops = std::iter::once(early.point).chain(later);
         let tops = tops.flat_map(|point| carried_points(EarlyTop { point, ..early }));
@@ -221,18 +225,6 @@ impl Pilot<'_> {
             }
         }
         self.trajectory.late_s = before_s + late_s;
-    }
-}
-
-/// The place at a share of the way from a point to a place, level.
-fn on_way(from: PlanPoint, to: EastNorth, share: f64) -> PlanPoint {
-    let mix = |a: f64, b: f64| a + (b - a) * share;
-    PlanPoint {
-        at: EastNorth {
-            east_m: mix(from.at.east_m, to.east_m),
-            north_m: mix(from.at.north_m, to.north_m),
-        },
-        ..from
     }
 }
 
