@@ -72,8 +72,8 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
         (14.0, "s"),
         version(1, 18),
         8,
-        "PX4 1.16 alpha, simulated: 6 to 10 s over their homes; main line of March 2026: 14.7 s on the first legs, which have \
-         1.5 s",
+        "PX4 1.16 alpha, simulated: 6 to 10 s over their homes; main line of March 2026: 14.7 s on the first legs, \
+         1.5 s of them leg_late_s",
     )]),
     // The same flights. It slows down for corners and changes of slope, by itself and unlike
     // ArduCopter: at 8 m/s by up to 2.1 s a leg (slopes that change by 14 degrees), 12.5 s more

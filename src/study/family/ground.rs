@@ -7,12 +7,12 @@ use rand::RngExt;
 use super::{BASE_AMSL_M, Problem, Rng, Round, Zone};
 use crate::study::stats::as_f64;
 
-/// A valley that winds over 16 km between ridges of some 400 m; the ceiling is 80 to 120 m over
-/// its bottom.
+/// A valley that winds over 16 km between ridges of some 400 m, under a ceiling of 250 m over the
+/// plain.
 pub(super) fn canyon(rng: &mut Rng) -> Problem {
     const LENGTH_M: f64 = 16_000.0;
     const STEP_M: f64 = 450.0;
-    /// Hills from one step before the start to one behind the goal.
+    /// Hills from two steps before the start to some behind the goal.
     const STEPS: usize = 41;
     let (bow_m, wave_m) = (
         rng.random_range(800.0..1400.0),

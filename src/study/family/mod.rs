@@ -81,8 +81,8 @@ impl Family {
         Self::ALL.into_iter().find(|family| family.name() == name)
     }
 
-    /// The text of the mission spec of a seed. The same seed gives the same text. That a path
-    /// exists is known of walls, mazes, gaps and canyons.
+    /// The text of the mission spec of a seed. The same seed gives the same text. No path is known
+    /// to exist.
     #[must_use]
     pub fn problem(self, seed: u64) -> String {
         let mut rng = Seed(seed).stream(self.name(), 0);
