@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use super::{Stations, World};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::geometry;
-use crate::spec::{Airframe, ApproachLengths, MissionSpec, Vehicle, Wind};
+use crate::spec::{Airframe, ApproachLengths, Issue, MissionSpec, SpecFile, Vehicle, Wind};
 
 /// Step from one course that is tried to the next, radians, to either side of the wind.
 const STEP_RAD: f64 = 15.0 * PI / 180.0;
@@ -85,7 +85,7 @@ impl World {
 
     /// The course into the wind, or the nearest to it, on which nothing is in the way of the approach to
     /// a landing; none if there is no such course.
-    pub(super) fn free_landing_rad(&self, vehicle: &Vehicle, stations: &Stations) -> Option<f64> {
+    fn free_landing_rad(&self, vehicle: &Vehicle, stations: &Stations) -> Option<f64> {
         let wind = vehicle.approach_wind()?;
         let (touchdown, from) = stations.touchdown(vehicle.finish);
         let lengths = vehicle.approach_lengths(from.0 - touchdown.amsl.0)?;
@@ -133,6 +133,25 @@ impl World {
             && !self.threats.iter().any(|threat| threat.contains(at))
             && !(self.zones.iter()).any(|zone| zone.is_closed_at(point, ground.0, f64::NAN))
     }
+}
+
+/// Planes whose course to their landing is left open, where no course is free.
+pub(super) fn blocked(file: &SpecFile, world: &World) -> Vec<Issue> {
+    let vehicles = file.spec.vehicles.iter().zip(&world.stations).enumerate();
+    let blocked = vehicles.filter(|(_, (vehicle, stations))| {
+        let is_open = vehicle.airframe == Airframe::Plane && vehicle.approach_wind().is_some();
+        is_open && world.free_landing_rad(vehicle, stations).is_none()
+    });
+    let issue = |(index, _): (usize, _)| {
+        file.issue(
+            &format!("vehicles[{index}].landing"),
+            "no course to the landing is free, whatever the wind".to_owned(),
+            "one inside the area, off threats and zones, above the ground: by glide_deg, \
+             loiter_radius_m or the height, or heading_deg"
+                .to_owned(),
+        )
+    };
+    blocked.map(issue).collect()
 }
 
 /// Courses from the one into the wind on, to either side.

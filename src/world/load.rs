@@ -12,8 +12,8 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::numeric::digits;
 use crate::numeric::geometry::Ring;
 use crate::spec::{
-    Airframe, BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile,
-    TerrainSource, Vehicle, Zone,
+    BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
+    Zone,
 };
 
 /// The world of a spec file. Its terrain is read from a path relative to the spec.
@@ -55,30 +55,11 @@ pub fn load(file: &SpecFile) -> Result<World, SpecError> {
         let issue = file.issue("terrain", error.to_string(), String::new());
         file.error(vec![issue])
     })?;
-    let issues = no_approach(file, &world);
+    let issues = super::approach::blocked(file, &world);
     match issues.is_empty() {
         true => Ok(world),
         false => Err(file.error(issues)),
     }
-}
-
-/// Planes whose course to their landing is left open, where no course is free.
-fn no_approach(file: &SpecFile, world: &World) -> Vec<Issue> {
-    let vehicles = file.spec.vehicles.iter().zip(&world.stations).enumerate();
-    let blocked = vehicles.filter(|(_, (vehicle, stations))| {
-        let is_open = vehicle.airframe == Airframe::Plane && vehicle.approach_wind().is_some();
-        is_open && world.free_landing_rad(vehicle, stations).is_none()
-    });
-    let issue = |(index, _): (usize, _)| {
-        file.issue(
-            &format!("vehicles[{index}].landing"),
-            "no course to the landing is free, whatever the wind".to_owned(),
-            "one inside the area, off threats and zones, above the ground: by glide_deg, \
-             loiter_radius_m or the height, or heading_deg"
-                .to_owned(),
-        )
-    };
-    blocked.map(issue).collect()
 }
 
 fn terrain(file: &SpecFile) -> Result<Terrain, TerrainError> {

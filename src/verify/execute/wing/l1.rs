@@ -8,6 +8,7 @@ use crate::geodesy::{Amsl, EastNorth, true_airspeed_ratio};
 use crate::mission::VehicleMission;
 use crate::spec::{GRAVITY_MPS2, Vehicle};
 
+use super::line::Line;
 use crate::verify::execute::legs::Knot;
 
 const INTEGRAL_GAIN: f64 = 0.02;
@@ -45,15 +46,6 @@ pub(crate) struct Fix {
     /// Distance from the place to the line of its leg or of the one before, whichever is less,
     /// metres.
     pub(crate) cross_track_m: f64,
-}
-
-/// A straight leg.
-#[derive(Clone, Copy)]
-pub(crate) struct Line {
-    from: EastNorth,
-    to: EastNorth,
-    unit: [f64; 2],
-    length_m: f64,
 }
 
 /// The state of the wing.
@@ -243,63 +235,6 @@ fn lines(knots: &[Knot]) -> Vec<Line> {
     pairs
         .map(|pair| Line::new(pair[0].at, pair[1].at))
         .collect()
-}
-
-impl Line {
-    pub(crate) fn new(from: EastNorth, to: EastNorth) -> Self {
-        let length_m = from.distance_m(to).max(1e-3);
-        Self {
-            from,
-            to,
-            unit: [
-                (to.east_m - from.east_m) / length_m,
-                (to.north_m - from.north_m) / length_m,
-            ],
-            length_m,
-        }
-    }
-
-    /// The place on it so far before its end.
-    fn before_end(&self, distance_m: f64) -> EastNorth {
-        EastNorth {
-            east_m: self.to.east_m - distance_m * self.unit[0],
-            north_m: self.to.north_m - distance_m * self.unit[1],
-        }
-    }
-
-    fn gone(&self, at: [f64; 2]) -> [f64; 2] {
-        [at[0] - self.from.east_m, at[1] - self.from.north_m]
-    }
-
-    fn ahead(&self, v: [f64; 2]) -> f64 {
-        v[0] * self.unit[0] + v[1] * self.unit[1]
-    }
-
-    fn right(&self, v: [f64; 2]) -> f64 {
-        v[0] * self.unit[1] - v[1] * self.unit[0]
-    }
-
-    /// How far along it a place is, as a share of its length; negative before it.
-    pub(crate) fn share(&self, at: EastNorth) -> f64 {
-        self.along([at.east_m, at.north_m]) / self.length_m
-    }
-
-    fn along(&self, at: [f64; 2]) -> f64 {
-        self.ahead(self.gone(at))
-    }
-
-    /// Distance from the leg, its ends included.
-    fn cross_track_m(&self, at: [f64; 2]) -> f64 {
-        let gone = self.gone(at);
-        let along_m = self.ahead(gone);
-        let over_m = along_m - along_m.clamp(0.0, self.length_m);
-        self.right(gone).hypot(over_m)
-    }
-
-    /// Change of course to the next leg, radians.
-    pub(crate) fn turn_rad(&self, next: &Self) -> f64 {
-        self.right(next.unit).atan2(self.ahead(next.unit))
-    }
 }
 
 impl Wing {

@@ -11,7 +11,7 @@ use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::numeric::geometry;
 use crate::path::{VehicleLimits, along, heading_rad};
 
-use super::l1::Line;
+use super::line::Line;
 use crate::verify::execute::decode::{After, Unknown};
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{Hull, Rest};

@@ -7,7 +7,8 @@ use crate::numeric::geometry;
 use crate::path::{along, heading_rad};
 
 use super::drift::carried_points;
-use super::l1::{Fix, Line, STEP_S};
+use super::l1::{Fix, STEP_S};
+use super::line::Line;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{EarlyTop, Hull};
