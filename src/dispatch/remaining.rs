@@ -13,7 +13,7 @@ use crate::spec::MissionSpec;
 use crate::verify::{Executed, Judge, Limit, Review};
 use crate::world::World;
 
-use super::deconfliction::Variants;
+use super::deconfliction::{Flight, Variants};
 use super::{Dispatched, Job};
 
 /// Most pairs that are moved apart: more are no remainder. One for this number of vehicles.
@@ -182,8 +182,8 @@ impl<'a> Fleet<'a> {
         order.par_iter().find_map_first(flown)
     }
 
-    /// A variant as it is flown; none if it breaks a limit of its own or is in conflict with more
-    /// others than it may.
+    /// A variant as it is flown; none if it is in conflict with more others than it may, or breaks
+    /// a limit of its own, which takes longer to judge.
     fn flown(
         &self,
         vehicle: usize,
@@ -191,20 +191,21 @@ impl<'a> Fleet<'a> {
         variant: usize,
         most: usize,
     ) -> Option<Move<'a>> {
-        let flight = variants.executed(&self.judge, self.world, variant)?;
+        let Flight { mission, executed } = variants.flown(&self.judge, self.world, variant)?;
         let mut met = Vec::new();
         for (&other, of_other) in self.flights.iter().filter(|(other, _)| **other != vehicle) {
-            if self.judge.are_in_conflict(&flight, of_other) {
+            if self.judge.are_in_conflict(&executed, of_other) {
                 met.push(other);
                 if met.len() > most {
                     return None;
                 }
             }
         }
-        Some(Move {
+        let keeps_own_limits = self.judge.keeps_own_limits(vehicle, &mission);
+        keeps_own_limits.then(|| Move {
             variant,
             dearer: variants.all[variant].cost - self.plan.vehicles[vehicle].terms.total(),
-            flight,
+            flight: executed,
             met,
         })
     }

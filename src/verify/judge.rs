@@ -44,28 +44,22 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Flies a mission of the vehicle at an index. None where it breaks a limit that concerns its
-    /// vehicle alone, and for an index that the spec does not have.
+    /// Whether a mission of the vehicle at an index keeps every limit that concerns its vehicle
+    /// alone; not for an index that the spec does not have.
     #[must_use]
-    pub fn execute(&self, index: usize, mission: &VehicleMission) -> Option<Executed<'a>> {
-        let sortie = self.sortie(index, mission)?;
-        let margins = sortie.margins(self.spec, self.world, &self.space);
+    pub fn keeps_own_limits(&self, index: usize, mission: &VehicleMission) -> bool {
         let holds = |margin: &Margin| margin.ok || margin.limit == Limit::Separation;
-        if !margins.iter().all(holds) {
-            return None;
-        }
-        self.executed(index, sortie)
+        self.sortie(index, mission).is_some_and(|sortie| {
+            let margins = sortie.margins(self.spec, self.world, &self.space);
+            margins.iter().all(holds)
+        })
     }
 
     /// Flies a mission, whether or not it keeps the limits of its vehicle. None for an index that
     /// the spec does not have.
     #[must_use]
     pub fn fly(&self, index: usize, mission: &VehicleMission) -> Option<Executed<'a>> {
-        self.executed(index, self.sortie(index, mission)?)
-    }
-
-    fn executed(&self, index: usize, sortie: Sortie<'_>) -> Option<Executed<'a>> {
-        let mut flight = sortie.flight;
+        let mut flight = self.sortie(index, mission)?.flight;
         flight.stay_until(HORIZON_S);
         let mut chords = flight.chords;
         chords.retain(|chord| chord.flown);

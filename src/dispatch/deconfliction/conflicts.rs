@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use crate::plan::VehiclePlan;
 use crate::spec::MissionSpec;
-use crate::verify::{Executed, Judge};
+use crate::verify::Judge;
 use crate::world::World;
 
 use super::moves::Ruled;
-use super::variants::Variants;
+use super::variants::{Flight, Variants};
 
 /// A vehicle and one of its variants.
 pub(super) type Flown = (usize, usize);
@@ -31,8 +31,8 @@ pub(super) struct Conflicts<'a> {
     fleet: Vec<Variants<'a>>,
     /// Whether the mission of a variant keeps every limit of its own.
     flies: HashMap<Flown, bool>,
-    /// Of those that do, some.
-    flights: HashMap<Flown, Executed<'a>>,
+    /// Of those that may, some.
+    flights: HashMap<Flown, Flight<'a>>,
     pairs: HashMap<u64, bool>,
     /// What has been flown and judged so far, in pairs.
     work: usize,
@@ -48,7 +48,10 @@ impl<'a> Conflicts<'a> {
         let fleet: Option<Vec<_>> = (alone.par_iter().enumerate())
             .map(|(index, plan)| {
                 let even = Variants::new((spec, world), index, plan, true);
-                let even = even.filter(|even| even.executed(&judge, world, 0).is_some());
+                let even = even.filter(|even| {
+                    let flown = even.flown(&judge, world, 0);
+                    flown.is_some_and(|flown| judge.keeps_own_limits(index, &flown.mission))
+                });
                 even.or_else(|| Variants::new((spec, world), index, plan, false))
             })
             .collect();
@@ -128,18 +131,58 @@ impl<'a> Conflicts<'a> {
         self.fleet[vehicle].plan(variant)
     }
 
-    /// Judges some variants of a vehicle against those of others, on all threads.
+    /// Judges some variants of a vehicle by its own limits and against those of others, on all
+    /// threads.
     pub(super) fn judge(&mut self, vehicle: usize, variants: &[usize], others: &[Flown]) {
-        if self.flights.len() > MOST_FLIGHTS {
-            self.flights.clear();
-        }
-        let all = || variants.iter().map(|&variant| (vehicle, variant));
-        let not_known: Vec<Flown> = all()
-            .filter(|flown| !self.flies.contains_key(flown))
+        let all = variants.iter().map(|&variant| (vehicle, variant));
+        let all: Vec<Flown> = all.collect();
+        self.judge_own_limits(&all);
+        self.judge_pairs(&all, others);
+    }
+
+    /// The first of some variants of a vehicle that keeps its own limits and is in no conflict
+    /// with those of others. Its own limits take the most time, so they come last.
+    pub(super) fn first_free(
+        &mut self,
+        vehicle: usize,
+        variants: &[usize],
+        others: &[Flown],
+    ) -> Option<usize> {
+        let mut free: Vec<Flown> = variants.iter().map(|&variant| (vehicle, variant)).collect();
+        free.retain(|own| self.flies.get(own) != Some(&false));
+        self.judge_pairs(&free, others);
+        free.retain(|&own| {
+            let mut others = others.iter();
+            others.all(|&other| !self.are_in_conflict(own, other))
+        });
+        free.into_iter().find_map(|own| {
+            self.judge_own_limits(&[own]);
+            self.can_fly(own).then_some(own.1)
+        })
+    }
+
+    /// Judges those that were not yet by what concerns their vehicles alone.
+    fn judge_own_limits(&mut self, all: &[Flown]) {
+        let mut new = all.to_vec();
+        new.retain(|flown| !self.flies.contains_key(flown));
+        self.fly(&new);
+        let this = &*self;
+        let judged: Vec<(Flown, bool)> = (new.into_par_iter())
+            .map(|flown| {
+                let flight = this.flights.get(&flown);
+                let keeps =
+                    |flight: &Flight<'a>| this.judge.keeps_own_limits(flown.0, &flight.mission);
+                (flown, flight.is_some_and(keeps))
+            })
             .collect();
-        self.fly(not_known);
-        let new: Vec<(Flown, Vec<Flown>)> = all()
-            .filter(|&own| self.can_fly(own))
+        self.flies.extend(judged);
+    }
+
+    /// Judges variants against those of others, as far as they may keep their own limits.
+    fn judge_pairs(&mut self, all: &[Flown], others: &[Flown]) {
+        let may_fly = |this: &Self, flown: &Flown| this.flies.get(flown) != Some(&false);
+        let new: Vec<(Flown, Vec<Flown>)> = (all.iter().copied())
+            .filter(|own| may_fly(self, own))
             .map(|own| {
                 let known = |other: &&Flown| self.pairs.contains_key(&pair(own, **other));
                 let new = others.iter().filter(|other| !known(other)).copied();
@@ -149,12 +192,11 @@ impl<'a> Conflicts<'a> {
             .collect();
         let mut needed: Vec<Flown> = (new.iter())
             .flat_map(|(own, others)| others.iter().chain([own]).copied())
-            .filter(|flown| !self.flights.contains_key(flown))
-            .filter(|flown| self.flies.get(flown) != Some(&false))
+            .filter(|flown| may_fly(self, flown))
             .collect();
         needed.sort_unstable();
         needed.dedup();
-        self.fly(needed);
+        self.fly(&needed);
         let this = &*self;
         let judged: Vec<(u64, bool)> = new
             .into_par_iter()
@@ -170,23 +212,31 @@ impl<'a> Conflicts<'a> {
     /// Whether two that have been flown meet.
     fn meet(&self, own: Flown, other: Flown) -> Option<bool> {
         let (own, other) = (self.flights.get(&own)?, self.flights.get(&other)?);
-        Some(self.judge.are_in_conflict(own, other))
+        Some(self.judge.are_in_conflict(&own.executed, &other.executed))
     }
 
-    fn fly(&mut self, new: Vec<Flown>) {
-        let flights: Vec<_> = new
-            .into_par_iter()
+    /// Flies those whose flights are not there. What cannot be encoded cannot fly.
+    fn fly(&mut self, all: &[Flown]) {
+        if self.flights.len() > MOST_FLIGHTS {
+            self.flights.clear();
+        }
+        let all = all.par_iter().copied();
+        let new = all.filter(|flown| !self.flights.contains_key(flown));
+        let flights: Vec<(Flown, Option<Flight<'a>>)> = new
             .map(|(vehicle, variant)| {
                 let of = &self.fleet[vehicle];
-                let executed = of.executed(&self.judge, self.world, variant);
-                ((vehicle, variant), executed)
+                (
+                    (vehicle, variant),
+                    of.flown(&self.judge, self.world, variant),
+                )
             })
             .collect();
         self.work += FLYING * flights.len();
-        for (flown, executed) in flights {
-            self.flies.insert(flown, executed.is_some());
-            self.flights
-                .extend(executed.map(|executed| (flown, executed)));
+        for (flown, flight) in flights {
+            match flight {
+                Some(flight) => drop(self.flights.insert(flown, flight)),
+                None => drop(self.flies.insert(flown, false)),
+            }
         }
     }
 

@@ -24,7 +24,7 @@ use crate::world::World;
 
 use conflicts::{Choice, Conflicts};
 use search::Search;
-pub(super) use variants::Variants;
+pub(super) use variants::{Flight, Variants};
 
 /// Plans of a fleet with as few conflicts as were found, each vehicle on a variant of its path
 /// alone, the best first: one for each of the specs, which give the fleet more or fewer freedoms.

@@ -129,19 +129,8 @@ impl<'s, 'a> Search<'s, 'a> {
     ) -> Option<usize> {
         let mut order = self.conflicts.cheapest_first(vehicle);
         order.retain(|&variant| self.conflicts.cost((vehicle, variant)) < cost);
-        for chunk in order.chunks(CHUNK) {
-            self.conflicts.judge(vehicle, chunk, others);
-            let found = chunk.iter().find(|&&variant| {
-                let own = (vehicle, variant);
-                let mut others = others.iter();
-                self.conflicts.can_fly(own)
-                    && others.all(|&other| !self.conflicts.are_in_conflict(own, other))
-            });
-            if let Some(&found) = found {
-                return Some(found);
-            }
-        }
-        None
+        let mut chunks = order.chunks(CHUNK);
+        chunks.find_map(|chunk| self.conflicts.first_free(vehicle, chunk, others))
     }
 
     /// The variant with the least weight of conflicts, and of equals the cheapest; not the

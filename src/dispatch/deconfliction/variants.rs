@@ -1,10 +1,12 @@
 //! What one vehicle may fly, each as its encoded mission is flown.
 
+use std::borrow::Cow;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::cost::CostTerms;
-use crate::mission;
+use crate::mission::{self, VehicleMission};
 use crate::path::{TimedPoint, heading_rad};
 use crate::plan::{Shape, Shaper, VehiclePlan};
 use crate::spec::{MissionSpec, Span, Vehicle};
@@ -31,6 +33,12 @@ pub(in crate::dispatch) struct Variant {
     speed: usize,
     pub(super) later_s: f64,
     pub(in crate::dispatch) cost: f64,
+}
+
+/// A variant as it is encoded, and as that is flown.
+pub(in crate::dispatch) struct Flight<'a> {
+    pub(in crate::dispatch) mission: VehicleMission,
+    pub(in crate::dispatch) executed: Executed<'a>,
 }
 
 /// What one vehicle may fly.
@@ -217,22 +225,25 @@ impl<'a> Variants<'a> {
         self.add(between(&own.shape, &self.all[0].shape), speed, &[later_s]);
     }
 
-    /// The flight of a variant as it is encoded; none if its mission breaks a limit of its own.
-    pub(in crate::dispatch) fn executed(
+    /// The mission of a variant as it is encoded, and its flight, whether or not it keeps the
+    /// limits of its vehicle; none if it cannot be encoded.
+    pub(in crate::dispatch) fn flown(
         &self,
         judge: &Judge<'a>,
         world: &World,
         variant: usize,
-    ) -> Option<Executed<'a>> {
-        let speed = &self.shapers[self.all[variant].speed];
+    ) -> Option<Flight<'a>> {
         let plan = self.plan(variant);
-        // The items of another departure are others: they hold a delay.
-        let mut spec = speed.spec().clone();
-        spec.vehicles[self.index].depart_s = plan.depart_s;
-        let paths = plan.routes.iter().map(|route| route.path.clone());
+        let mut spec = Cow::Borrowed(self.shapers[self.all[variant].speed].spec());
+        if spec.vehicles[self.index].depart_s.to_bits() != plan.depart_s.to_bits() {
+            // The items of another departure are others: they hold a delay.
+            spec.to_mut().vehicles[self.index].depart_s = plan.depart_s;
+        }
+        let paths = plan.routes.into_iter().map(|route| route.path);
         let routes: Vec<Vec<TimedPoint>> = paths.collect();
         let mission = mission::build(&spec, world, self.index, &routes).ok()?;
-        judge.execute(self.index, &mission)
+        let executed = judge.fly(self.index, &mission)?;
+        Some(Flight { mission, executed })
     }
 
     /// The plan of a variant.

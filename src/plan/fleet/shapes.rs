@@ -1,12 +1,13 @@
 //! A planned vehicle in other shapes: moved control points, another departure or speed.
 
-use super::vehicle::sum;
+use super::vehicle::{path_basis, route, sum};
 use super::{Planning, Request};
 use crate::cost::{Batch, CostModel, CostTerms, EarlierFlights, Margins, RouteEnds};
 use crate::geodesy::PlanPoint;
+use crate::numeric::Basis;
 use crate::path::route_ends;
 use crate::plan::route_context::on_route;
-use crate::plan::search::{Found, JUDGED_SAMPLES};
+use crate::plan::search::JUDGED_SAMPLES;
 use crate::plan::spline::Spline;
 use crate::plan::{Route, VehiclePlan};
 use crate::spec::{Arrival, MissionSpec, Objective};
@@ -27,8 +28,9 @@ pub struct Shaper<'a> {
     world: &'a World,
     index: usize,
     base: VehiclePlan,
-    /// The objective of each route.
+    /// The objective of each route, and the points of its path.
     models: Vec<CostModel>,
+    bases: Vec<Basis>,
 }
 
 impl<'a> Shaper<'a> {
@@ -64,17 +66,19 @@ impl<'a> Shaper<'a> {
             return None;
         }
         spec.planner.control_points = controls - 2;
-        let models = with_planning(&spec, world, 0, |planning| {
-            let model = |(from, to): (PlanPoint, PlanPoint)| {
+        let (models, bases) = with_planning(&spec, world, 0, |planning| {
+            let of_route = |(from, to): (PlanPoint, PlanPoint)| {
                 let ends = RouteEnds {
                     from,
                     to,
                     start_s: 0.0,
                 };
                 let context = planning.route_context(index, ends, EarlierFlights::none());
-                context.model(Margins::default(), &context.parameters(JUDGED_SAMPLES))
+                let parameters = context.parameters(JUDGED_SAMPLES);
+                let model = context.model(Margins::default(), &parameters);
+                (model, path_basis(&context, controls))
             };
-            ends.into_iter().map(model).collect()
+            ends.into_iter().map(of_route).unzip()
         });
         Some(Self {
             spec,
@@ -82,6 +86,7 @@ impl<'a> Shaper<'a> {
             index,
             base: base.clone(),
             models,
+            bases,
         })
     }
 
@@ -106,7 +111,7 @@ impl<'a> Shaper<'a> {
     pub fn plan(&self, shape: &Shape, terms: CostTerms) -> VehiclePlan {
         let specified_s = self.spec.vehicles[self.index].depart_s;
         let routes = with_planning(&self.spec, self.world, 0, |planning| {
-            planning.routes_of(self.index, &shape.control_points)
+            planning.routes_of(self.index, &shape.control_points, &self.bases)
         });
         let later_s = shape.depart_s - specified_s;
         let later = |mut route: Route| {
@@ -132,20 +137,22 @@ impl<'a> Shaper<'a> {
 }
 
 impl Planning<'_> {
-    /// The routes along given control points, one after the other in time.
-    fn routes_of(&self, index: usize, control_points: &[Vec<PlanPoint>]) -> Vec<Route> {
+    /// The routes along given control points, each at the points of its basis, one after the other
+    /// in time.
+    fn routes_of(
+        &self,
+        index: usize,
+        control_points: &[Vec<PlanPoint>],
+        bases: &[Basis],
+    ) -> Vec<Route> {
         let ends = route_ends(&self.spec.vehicles[index], &self.world.stations[index]);
         let mut plan = self.empty_plan(index, Vec::new());
-        for (number, (ends, points)) in ends.into_iter().zip(control_points).enumerate() {
+        let routes = control_points.iter().zip(bases);
+        for (number, (ends, (points, basis))) in ends.into_iter().zip(routes).enumerate() {
             let spec = &*on_route(self.spec, index, number);
             let context = self.context(spec, index, ends, &plan, EarlierFlights::none());
-            let found = Found {
-                spline: Spline::through(points),
-                terms: CostTerms::default(),
-                strict: CostTerms::default(),
-                evaluations: 0,
-            };
-            plan.add(&context, &found);
+            let spline = Spline::through(points);
+            plan.routes.push(route(&context, &spline, basis));
         }
         self.meet(index, &mut plan);
         plan.routes

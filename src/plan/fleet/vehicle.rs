@@ -9,6 +9,7 @@ use crate::path::{route_ends, route_start_s, time_route_from, way_speed_mps};
 use crate::plan::bound::estimate;
 use crate::plan::route_context::{RouteContext, on_route};
 use crate::plan::search::{Found, Run, lifted, search, straight};
+use crate::plan::spline::Spline;
 use crate::plan::{Route, VehiclePlan};
 use crate::spec::{Arrival, MissionSpec};
 
@@ -178,7 +179,8 @@ impl VehiclePlan {
     pub(super) fn add(&mut self, context: &RouteContext<'_>, found: &Found) {
         self.terms = sum(&self.terms, &found.terms);
         self.evaluations += found.evaluations;
-        self.routes.push(route(context, found));
+        let basis = path_basis(context, found.spline.east_m.len());
+        self.routes.push(route(context, &found.spline, &basis));
     }
 }
 
@@ -196,14 +198,17 @@ fn to_u64(index: usize) -> u64 {
     u64::try_from(index).unwrap_or(u64::MAX / 4)
 }
 
-/// A found spline as a timed path.
-fn route(context: &RouteContext<'_>, found: &Found) -> Route {
-    let controls = found.spline.east_m.len();
+/// At the points of a path of some control points.
+pub(super) fn path_basis(context: &RouteContext<'_>, controls: usize) -> Basis {
     let points = PATH_POINTS.max(POINTS_PER_CONTROL * controls + 1);
-    let basis = Basis::new(controls, &context.parameters(points));
-    let east_m = basis.sampled(&found.spline.east_m);
-    let north_m = basis.sampled(&found.spline.north_m);
-    let amsl_m = basis.sampled(&found.spline.amsl_m);
+    Basis::new(controls, &context.parameters(points))
+}
+
+/// A spline as a timed path.
+pub(super) fn route(context: &RouteContext<'_>, spline: &Spline, basis: &Basis) -> Route {
+    let east_m = basis.sampled(&spline.east_m);
+    let north_m = basis.sampled(&spline.north_m);
+    let amsl_m = basis.sampled(&spline.amsl_m);
     let mut points: Vec<PlanPoint> = east_m
         .into_iter()
         .zip(north_m)
@@ -218,7 +223,7 @@ fn route(context: &RouteContext<'_>, found: &Found) -> Route {
     }
     let departure = context.world.stations[context.index].departure;
     Route {
-        control_points: found.spline.points(),
+        control_points: spline.points(),
         path: time_route_from(
             &points,
             (
