@@ -18,6 +18,7 @@ pub use documents::{
 };
 pub use infeasibility::{Infeasibility, infeasibilities};
 pub use map::review_svg;
+pub(crate) use page::BASE_STYLE;
 pub use page::{flight_html, review_html};
 pub use scene::{FlownError, FlownFacts};
 pub use trajectories::{

@@ -2,12 +2,11 @@
 
 use std::fmt::Write;
 
+use crate::report::BASE_STYLE;
+
 use super::draw::escaped;
 
-const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:80rem;margin:2rem auto;padding:0 1rem;\
-color:#111;background:#fff}table{border-collapse:collapse;font-size:14px;display:block;overflow-x:auto}\
-th,td{border:1px solid #ccc;padding:.2rem .6rem;text-align:left}svg{max-width:100%;height:auto}\
-figure{margin:2rem 0;overflow-x:auto}@media(max-width:60rem){svg{max-width:none}}";
+const STYLE: &str = include_str!("page.css");
 
 /// Separates the cells of a row.
 const CELL: &str = " | ";
@@ -44,18 +43,44 @@ impl Table {
     }
 
     fn html(&self) -> String {
-        let line = |row: &str, tag: &str| {
-            let cells = row.split(CELL);
-            let cells: String = cells
-                .map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell)))
-                .collect();
+        let class = |is_number: bool| if is_number { " class=\"number\"" } else { "" };
+        let of_first: Vec<&str> =
+            (self.rows.first()).map_or_else(Vec::new, |row| row.split(CELL).collect());
+        let heads = self.head.split(CELL).enumerate().map(|(column, head)| {
+            let class = class(of_first.get(column).is_some_and(|cell| is_number(cell)));
+            format!("<th{class}>{}</th>", marked(head))
+        });
+        let value = |cell: &str| format!("<td{}>{}</td>", class(is_number(cell)), marked(cell));
+        let row = |row: &String| {
+            let cells: String = row.split(CELL).map(value).collect();
             format!("<tr>{cells}</tr>\n")
         };
-        let rows: String = self.rows.iter().map(|row| line(row, "td")).collect();
-        let head = line(&self.head, "th");
-        let caption = escaped(&self.caption);
-        format!("<p>{caption}</p>\n<table>\n{head}{rows}</table>\n")
+        let heads: String = heads.collect();
+        let rows: String = self.rows.iter().map(row).collect();
+        let caption = marked(&self.caption);
+        format!(
+            "<p class=\"caption\">{caption}</p>\n<div class=\"wide\"><table>\n\
+             <tr>{heads}</tr>\n{rows}</table></div>\n"
+        )
     }
+}
+
+/// Whether a cell is one number, with its unit or not.
+fn is_number(cell: &str) -> bool {
+    let number = cell.split(' ').next().unwrap_or_default();
+    number.parse::<f64>().is_ok() && cell.split(' ').count() <= 2
+}
+
+/// Text of a page, with what stands between backticks as code.
+fn marked(text: &str) -> String {
+    let parts = escaped(text);
+    let parts = parts.split('`').enumerate();
+    parts
+        .map(|(number, part)| match number % 2 {
+            0 => part.to_owned(),
+            _ => format!("<code>{part}</code>"),
+        })
+        .collect()
 }
 
 /// A title, the command that makes the document, definitions, and sections of tables.
@@ -95,7 +120,7 @@ impl Document {
             escaped(&self.command)
         );
         for note in &self.notes {
-            let _ = writeln!(body, "<li>{}</li>", escaped(note));
+            let _ = writeln!(body, "<li>{}</li>", marked(note));
         }
         body.push_str("</ul>\n");
         for (name, tables) in &self.sections {
@@ -106,13 +131,13 @@ impl Document {
             let caption = escaped(caption);
             let _ = writeln!(
                 body,
-                "<figure>{svg}<figcaption>Figure {number}. {caption}</figcaption></figure>"
+                "<figure><div class=\"drawn\">{svg}</div><figcaption>Figure {number}. {caption}</figcaption></figure>"
             );
         }
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
              <meta name=\"viewport\" content=\"width=device-width\">\
-             <title>{title}</title><style>{STYLE}</style></head>\n\
+             <title>{title}</title><style>{BASE_STYLE}{STYLE}</style></head>\n\
              <body>\n{body}</body></html>\n"
         )
     }
@@ -129,7 +154,7 @@ mod tests {
         let document = Document {
             title: "A <b>",
             command: "x".to_owned(),
-            notes: vec!["one".to_owned()],
+            notes: vec!["one of `src`".to_owned()],
             sections: vec![("S".to_owned(), vec![table])],
         };
         let text = document.markdown();
@@ -137,8 +162,8 @@ mod tests {
         let html = document.page(&[]);
         for part in [
             "<h1>A &lt;b&gt;</h1>",
-            "<li>one</li>",
-            "<td>1</td><td></td>",
+            "<li>one of <code>src</code></li>",
+            "<td class=\"number\">1</td><td></td>",
         ] {
             assert!(html.contains(part), "{part} in {html}");
         }

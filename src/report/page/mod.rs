@@ -27,6 +27,8 @@ const MAX_APPROACHES: usize = 4000;
 const MAX_NAMED: usize = 5;
 
 const TEMPLATE: &str = include_str!("page.html");
+/// Colours and letters, which other pages share.
+pub(crate) const BASE_STYLE: &str = include_str!("base.css");
 const STYLE: &str = include_str!("page.css");
 const JAVASCRIPT: [&str; 7] = [
     include_str!("state.js"),
@@ -99,7 +101,7 @@ fn page(input: &ReviewInput<'_>, scene: Scene) -> String {
     };
     let passes = input.review.passes();
     let part = |name: &str| match name {
-        "style" => STYLE.to_owned(),
+        "style" => [BASE_STYLE, STYLE].concat(),
         "title" => escaped(&input.spec.name),
         "verdict" => verdict(passes).to_owned(),
         "headline" => words::headline(input.review),
