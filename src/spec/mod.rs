@@ -30,6 +30,7 @@ mod file;
 pub(crate) mod fixtures;
 mod issue;
 pub mod keys;
+mod known;
 mod link;
 mod model;
 mod positions;
@@ -46,6 +47,7 @@ pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use keys::{Action, AlarmKind, Answer, OnAlarm, Pattern, Who};
+pub use known::{Incomplete, Known, KnownPlace, PlaceKind};
 pub(crate) use model::BufferedLimit;
 pub use model::{
     Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MAX_TASKS,

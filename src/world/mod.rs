@@ -14,7 +14,7 @@ mod zone;
 pub use departure::Departure;
 pub use ground::Ground;
 pub use layer::Layer;
-pub use load::{files, load};
+pub use load::{files, load, with_ground};
 pub use reader::{
     Bounds, TerrainError, TerrainInfo, elevation_files, inspect, is_elevation, read_terrain,
     terrain_files,

@@ -301,7 +301,7 @@ proptest! {
             let end = (at + piece.len()).min(text.len());
             text.replace_range(at..end, &piece);
         }
-        if let Err(error) = parse(&text) {
+        if let Err(error) = sortie::Mission::parse("", text) {
             prop_assert!(!error.issues.is_empty());
         }
     }

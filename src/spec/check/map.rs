@@ -5,7 +5,8 @@ use geo::{Contains, Intersects, Point, Polygon};
 use super::super::airspace::{AttachedFile, Survey, dome_layers};
 use super::super::keys;
 use super::super::{
-    AltitudeLimits, Area, BufferedLimit, Buffers, Placement, Rally, TerrainSource, Threat, Zone,
+    AltitudeLimits, Area, BufferedLimit, Buffers, KnownPlace, PlaceKind, Placement, Rally,
+    TerrainSource, Threat, Zone,
 };
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, LocalFrame};
@@ -81,6 +82,10 @@ impl Checker {
             self.rally_height(&format!("rally[{index}].agl_m"), point.agl_m, &map);
             self.clear(&format!("rally[{index}]"), "the rally point", place, &map);
             let agl = Agl(point.agl_m);
+            self.places.push(KnownPlace {
+                path: format!("rally[{index}]"),
+                kind: PlaceKind::Rally(place, point.agl_m),
+            });
             map.rally.push(Rally { place, agl });
         }
         Some(map)

@@ -9,11 +9,14 @@ use serde_yaml::{Mapping, Number, Value};
 
 use crate::numeric::digits;
 use crate::spec::check::resolved;
+use crate::spec::known::is_of;
 use crate::spec::positions::Positions;
 use crate::spec::{Issue, keys};
 
 /// How the parser, and the check, name a missing key.
 const MISSING: &str = "missing field `";
+/// What a vehicle has places at: these do not depend on its other keys.
+const PLACES: [&str; 4] = ["home", "start", "goal", "stops"];
 /// Most problems of keys and types that are reported.
 const MAX_PROBLEMS: usize = 50;
 /// Most text that is parsed again, bytes.
@@ -29,11 +32,14 @@ pub(in crate::spec) struct KeysRead {
 }
 
 /// What is not known for a problem that is reported already.
+#[derive(Debug)]
 pub(in crate::spec) enum Unknown {
     /// What is at a path, but for keys that are missing there.
     At(String),
     /// What is at a path and below it.
     Within(String),
+    /// What is at a vehicle and below it, but for its places.
+    BesidePlaces(String),
 }
 
 impl From<keys::Spec> for KeysRead {
@@ -103,9 +109,11 @@ pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRea
 pub(in crate::spec) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
     let is_of = |unknown: &Unknown| match unknown {
         Unknown::At(path) => issue.path == *path && !issue.found.starts_with(MISSING),
-        Unknown::Within(path) => {
-            let rest = issue.path.strip_prefix(path.as_str());
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        Unknown::Within(path) => is_of(&issue.path, path),
+        Unknown::BesidePlaces(path) => {
+            let mut places = PLACES.iter();
+            is_of(&issue.path, path)
+                && !places.any(|place| is_of(&issue.path, &format!("{path}.{place}")))
         }
     };
     issue.table.is_none() && unknown.iter().any(is_of)
@@ -247,11 +255,21 @@ impl Mended {
             Kind::UnknownKey(_) => self.unknown.push(Unknown::At(parent.to_owned())),
             _ => {
                 self.removed.push((parent.to_owned(), last.to_owned()));
-                self.unknown.push(Unknown::Within(mapping_around(path)));
+                self.unknown
+                    .push(match is_vehicle(parent) && last != "stops" {
+                        true => Unknown::BesidePlaces(parent.to_owned()),
+                        false => Unknown::Within(mapping_around(path)),
+                    });
             }
         }
         Some(())
     }
+}
+
+/// Whether a path is that of a vehicle.
+fn is_vehicle(path: &str) -> bool {
+    let index = path.strip_prefix("vehicles");
+    index.and_then(index_of).is_some()
 }
 
 /// The keys and indices, with their `[`, of a path.

@@ -54,6 +54,8 @@ impl Checker {
         let end = self.end_point(path, point);
         if let (Some(map), Some(end)) = (map, end) {
             self.clear(path, "stop", end.place, map);
+            let altitudes = super::limits_of(vehicle, map);
+            self.known_point((path, "stop"), Some(end), altitudes, false);
         }
         self.stop_speed(&format!("{path}.speed_mps"), stop, vehicle);
         if vehicle.airframe.unwrap_or_default().has_wing() {

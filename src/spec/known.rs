@@ -1,0 +1,132 @@
+//! What is known of a spec in spite of its problems: the ground tells more of it.
+
+use super::file::structure::{self, Unknown};
+use super::{AltitudeLimits, EndPoint, Issue, SpecError, SpecFile};
+use crate::geodesy::LatLon;
+
+/// A spec with problems, and what is known of it all the same.
+#[derive(Debug)]
+pub struct Incomplete {
+    /// Its problems.
+    pub error: SpecError,
+    /// None where its ground or its area is not known.
+    pub known: Option<Known>,
+}
+
+/// The part of a spec that is known.
+#[derive(Debug)]
+pub struct Known {
+    /// The spec with the vehicles that have no problem alone; its tasks and rally points are among the
+    /// places.
+    pub file: SpecFile,
+    /// Where each of these vehicles stands in the file, such as `vehicles[3]`.
+    pub vehicles: Vec<String>,
+    /// Places of the other vehicles, of tasks and rally points.
+    pub places: Vec<KnownPlace>,
+    pub(super) unknown: Vec<Unknown>,
+}
+
+/// A place whose keys are good.
+#[derive(Clone, Debug)]
+pub struct KnownPlace {
+    /// Where it stands in the file.
+    pub path: String,
+    /// What the place is of.
+    pub kind: PlaceKind,
+}
+
+/// Kinds of places.
+#[derive(Clone, Copy, Debug)]
+pub enum PlaceKind {
+    /// Where a vehicle takes off.
+    Home(LatLon),
+    /// A point of a plan.
+    Airborne {
+        /// What an operator calls it.
+        what: &'static str,
+        /// The point.
+        end: EndPoint,
+        /// Limits of altitude there.
+        altitudes: AltitudeLimits,
+        /// Whether the vehicle may come down to it from above.
+        can_drop: bool,
+    },
+    /// A rally point and its height above ground, metres.
+    Rally(LatLon, f64),
+}
+
+impl Known {
+    /// Whether an issue is one of its own, and does not come of a problem that is reported already.
+    #[must_use]
+    pub fn is_known(&self, issue: &Issue) -> bool {
+        !structure::is_unknown(issue, &self.unknown)
+    }
+}
+
+impl Known {
+    /// Leaves vehicles with a problem out: of these the places alone are known.
+    pub(super) fn with_whole_vehicles(mut self, issues: &[Issue]) -> Self {
+        let is_broken = |vehicle: &str| {
+            let made = self.file.is_made(vehicle);
+            let mut issues = issues.iter();
+            let in_issues = issues.any(|issue| match made {
+                true => issue.table.is_some() || is_of(&issue.path, "fleet"),
+                false => issue.table.is_none() && is_of(&issue.path, vehicle),
+            });
+            let mut unknown = self.unknown.iter();
+            in_issues
+                || unknown.any(|unknown| match unknown {
+                    Unknown::At(path) | Unknown::Within(path) | Unknown::BesidePlaces(path) => {
+                        is_of(path, vehicle) || is_of(vehicle, path)
+                    }
+                })
+        };
+        let is_whole: Vec<bool> = self.vehicles.iter().map(|path| !is_broken(path)).collect();
+        let mut whole = is_whole.iter();
+        let next = |whole: &mut std::slice::Iter<'_, bool>| whole.next().is_some_and(|of| *of);
+        self.file.spec.vehicles.retain(|_| next(&mut whole));
+        let mut whole = is_whole.iter();
+        self.vehicles.retain(|_| next(&mut whole));
+        let vehicles = &self.vehicles;
+        self.places
+            .retain(|place| !vehicles.iter().any(|of| is_of(&place.path, of)));
+        self.file.spec.tasks.clear();
+        self.file.spec.rally.clear();
+        self
+    }
+}
+
+impl From<Box<Incomplete>> for SpecError {
+    fn from(incomplete: Box<Incomplete>) -> Self {
+        incomplete.error
+    }
+}
+
+/// Keys whose problems leave no ground to judge places by.
+const GROUND: [&str; 5] = [
+    "terrain",
+    "buffer_m",
+    "area.min_agl_m",
+    "area.max_amsl_m",
+    "area.max_agl_m",
+];
+
+/// Whether a path is that of a key, or below it.
+pub(super) fn is_of(path: &str, key: &str) -> bool {
+    let rest = path.strip_prefix(key);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+}
+
+/// Whether problems leave the heights of a spec unknown.
+pub(super) fn hides_ground(issues: &[Issue], unknown: &[Unknown]) -> bool {
+    let in_issues = issues.iter().any(|issue| {
+        let is_range = !issue.found.starts_with("unknown field");
+        issue.table.is_none() && is_range && GROUND.iter().any(|key| is_of(&issue.path, key))
+    });
+    // What is filled in for a limit of the area is wide.
+    let in_unknown = unknown.iter().any(|unknown| match unknown {
+        Unknown::Within(path) => ["terrain", "buffer_m"].iter().any(|key| is_of(path, key)),
+        Unknown::At(_) | Unknown::BesidePlaces(_) => false,
+    });
+    in_issues || in_unknown
+}
