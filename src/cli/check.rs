@@ -136,6 +136,12 @@ fn described(survey: &Survey) -> Vec<String> {
         .map(|(number, what)| format!("{number} {what}"))
         .collect();
     let mut lines = vec![format!("  {}: {}", survey.file, parts.join(", "))];
+    if survey.exchanged > 0 {
+        lines.push(format!(
+            "    {} of those out of reach would be in the area with latitude and longitude exchanged",
+            survey.exchanged
+        ));
+    }
     let shown = survey.zones.iter().take(MAX_LISTED);
     lines.extend(shown.map(|id| format!("    {id}")));
     if let Some(more @ 1..) = survey.zones.len().checked_sub(MAX_LISTED) {

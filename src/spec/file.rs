@@ -1,5 +1,6 @@
 //! A spec file: read, parsed and checked, with its text for messages and copies.
 
+pub(super) mod known;
 pub(super) mod structure;
 
 use std::io::Read;
@@ -9,12 +10,12 @@ use super::airspace::{self, AttachedFile, Survey};
 use super::builder::Builder;
 use super::check;
 use super::keys;
-use super::known::{self, Incomplete, Known};
 use super::positions::Positions;
 use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::text::open_regular;
+use known::{Incomplete, Known};
 use structure::{KeysRead, Unknown};
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
@@ -155,23 +156,13 @@ impl SpecFile {
         match file {
             Some(file) if issues.is_empty() => Ok(file),
             file => {
-                let is_over_ground = !known::hides_ground(&issues, &unknown);
-                let known = file.filter(|_| is_over_ground).map(|file| {
-                    let known = Known {
-                        file,
-                        vehicles: checked.vehicles,
-                        places: checked.places,
-                        unknown,
-                    };
-                    known.with_whole_vehicles(&issues)
+                let known = file.map(|file| Known {
+                    file,
+                    vehicles: checked.vehicles,
+                    sites: checked.sites,
+                    unknown,
                 });
-                Err(Box::new(Incomplete {
-                    error: SpecError {
-                        file: path.display().to_string(),
-                        issues: in_order(issues),
-                    },
-                    known,
-                }))
+                Err(known::incomplete(path, issues, known))
             }
         }
     }

@@ -30,7 +30,6 @@ mod file;
 pub(crate) mod fixtures;
 mod issue;
 pub mod keys;
-mod known;
 mod link;
 mod model;
 mod positions;
@@ -44,10 +43,10 @@ pub use crate::autopilot::{Airframe, Autopilot};
 pub(crate) use airspace::dome_of;
 pub use airspace::{AttachedFile, Survey, Zone};
 pub use builder::Builder;
+pub use file::known::{Incomplete, Known, KnownPlace, PlaceKind};
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use keys::{Action, AlarmKind, Answer, OnAlarm, Pattern, Who};
-pub use known::{Incomplete, Known, KnownPlace, PlaceKind};
 pub(crate) use model::BufferedLimit;
 pub use model::{
     Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MAX_TASKS,

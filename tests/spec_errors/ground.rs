@@ -122,7 +122,7 @@ fn has(issues: &[Issue], path: &str, part: &str) {
 }
 
 #[test]
-fn a_wrong_key_and_a_wrong_value_hide_nothing_that_the_ground_tells() {
+fn a_wrong_key_and_a_wrong_value_hide_nothing_that_the_ground_shows() {
     // In the same vehicle: a start inside a threat, a value out of range, and a goal above the ceiling.
     let text = FULL
         .replace("kind: radar,", "colour: red,")
@@ -144,7 +144,7 @@ fn a_wrong_key_and_a_wrong_value_hide_nothing_that_the_ground_tells() {
 }
 
 #[test]
-fn places_of_a_vehicle_are_judged_whatever_its_other_keys_are() {
+fn sites_of_a_vehicle_are_judged_whatever_its_other_keys_are() {
     for (old, new, path) in [
         (
             "    speed_mps: 12\n",
@@ -173,7 +173,7 @@ fn places_of_a_vehicle_are_judged_whatever_its_other_keys_are() {
 }
 
 #[test]
-fn what_the_ground_would_tell_of_a_broken_value_is_not_reported() {
+fn what_the_ground_would_show_of_a_broken_value_is_not_reported() {
     let low = FULL.replace("lon: -84.39, agl_m: 80}", "lon: -84.39, agl_m: 59}");
     for (old, new) in [
         ("min_agl_m: 60", "min_agl_m: sixty"),

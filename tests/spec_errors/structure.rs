@@ -306,3 +306,10 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_corner_with_three_numbers_is_one_problem() {
+    let (path, text) = only("[36.36, -84.20]", "[36.36, -84.20, 500]");
+    assert_eq!(path, "no_fly[0].polygon[1]");
+    assert!(text.contains("length 3"), "{text}");
+}

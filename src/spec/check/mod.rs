@@ -43,7 +43,8 @@ pub(super) fn check(
         version: keys.sortie,
         issues: Vec::new(),
         vehicles: Vec::new(),
-        places: Vec::new(),
+        sites: Vec::new(),
+        origin: None,
     };
     checker.ranges([(String::new(), &keys)]);
     checker.add_fleet(&mut keys, table);
@@ -53,7 +54,7 @@ pub(super) fn check(
         sources: checker.sources,
         issues: in_order(checker.issues),
         vehicles: checker.vehicles,
-        places: checker.places,
+        sites: checker.sites,
     }
 }
 
@@ -68,7 +69,7 @@ pub(super) struct Checked {
     /// Where each vehicle of the spec stands in the file.
     pub(super) vehicles: Vec<String>,
     /// The places of all vehicles and tasks, and the rally points, as far as they are good.
-    pub(super) places: Vec<KnownPlace>,
+    pub(super) sites: Vec<KnownPlace>,
 }
 
 /// Collects problems. A check returns `None` after reporting a problem that leaves no value.
@@ -80,7 +81,9 @@ struct Checker {
     /// Where each vehicle that is left stands in the file.
     vehicles: Vec<String>,
     /// Places whose keys are good.
-    places: Vec<KnownPlace>,
+    sites: Vec<KnownPlace>,
+    /// Of the map, once it is known.
+    origin: Option<LatLon>,
 }
 
 impl Checker {

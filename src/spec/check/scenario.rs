@@ -20,7 +20,8 @@ pub(in crate::spec) fn scenario(
         version: 1,
         issues: Vec::new(),
         vehicles: Vec::new(),
-        places: Vec::new(),
+        sites: Vec::new(),
+        origin: None,
     };
     checker.ranges([(String::new(), keys)]);
     let scenario = checker.scenario(keys);

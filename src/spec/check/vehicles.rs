@@ -89,7 +89,7 @@ impl Checker {
         can_drop: bool,
     ) {
         let Some(end) = end else { return };
-        self.places.push(KnownPlace {
+        self.sites.push(KnownPlace {
             path: path.to_owned(),
             kind: PlaceKind::Airborne {
                 what,
@@ -119,6 +119,9 @@ impl Checker {
             let path = format!("vehicles[{index}]");
             if let Some(checked) = self.vehicle(&path, vehicle, map, wind) {
                 self.flyable(&path, &checked, keys.sortie);
+                if checked.stops.len() == vehicle.stops.len() {
+                    self.flyable_from_stops(&path, &checked, keys.sortie);
+                }
                 vehicles.push((path, checked));
             }
         }
@@ -315,6 +318,21 @@ impl Checker {
         self.report(&format!("{path}.{key}"), found, allowed);
     }
 
+    /// The speeds from stops on, as [`Self::flyable`].
+    fn flyable_from_stops(&mut self, path: &str, vehicle: &Vehicle, version: u32) {
+        let most_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
+        let Some(most_mps) = most_mps.filter(|_| version == 2) else {
+            return;
+        };
+        for (index, stop) in vehicle.stops.iter().enumerate() {
+            if let Some(speed_mps) = stop.speed_mps.filter(|mps| *mps > most_mps) {
+                let path = format!("{path}.stops[{index}].speed_mps");
+                let allowed = format!("at most {most_mps:.1} m/s, as speed_mps of the vehicle");
+                self.report(&path, format!("{speed_mps} m/s"), allowed);
+            }
+        }
+    }
+
     /// A version whose rules are known.
     fn version(&mut self, path: &str, text: Option<&str>, autopilot: Autopilot) -> Option<Version> {
         let text = text?;
@@ -372,7 +390,7 @@ impl Checker {
             let goal = goal_point.filter(|_| !is_round);
             self.known_point((&at("goal"), "goal"), goal, altitudes, may_drop(keys));
             if let Some(home) = own_home.or(from.filter(|_| keys.home.is_none())) {
-                self.places.push(KnownPlace {
+                self.sites.push(KnownPlace {
                     path: at("home"),
                     kind: PlaceKind::Home(home),
                 });

@@ -9,14 +9,15 @@ use serde_yaml::{Mapping, Number, Value};
 
 use crate::numeric::digits;
 use crate::spec::check::resolved;
-use crate::spec::known::is_of;
 use crate::spec::positions::Positions;
 use crate::spec::{Issue, keys};
+
+use super::known::is_of;
 
 /// How the parser, and the check, name a missing key.
 const MISSING: &str = "missing field `";
 /// What a vehicle has places at: these do not depend on its other keys.
-const PLACES: [&str; 4] = ["home", "start", "goal", "stops"];
+const SITES: [&str; 4] = ["home", "start", "goal", "stops"];
 /// Most problems of keys and types that are reported.
 const MAX_PROBLEMS: usize = 50;
 /// Most text that is parsed again, bytes.
@@ -39,7 +40,7 @@ pub(in crate::spec) enum Unknown {
     /// What is at a path and below it.
     Within(String),
     /// What is at a vehicle and below it, but for its places.
-    BesidePlaces(String),
+    ButSites(String),
 }
 
 impl From<keys::Spec> for KeysRead {
@@ -110,10 +111,10 @@ pub(in crate::spec) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
     let is_of = |unknown: &Unknown| match unknown {
         Unknown::At(path) => issue.path == *path && !issue.found.starts_with(MISSING),
         Unknown::Within(path) => is_of(&issue.path, path),
-        Unknown::BesidePlaces(path) => {
-            let mut places = PLACES.iter();
+        Unknown::ButSites(path) => {
+            let mut sites = SITES.iter();
             is_of(&issue.path, path)
-                && !places.any(|place| is_of(&issue.path, &format!("{path}.{place}")))
+                && !sites.any(|site| is_of(&issue.path, &format!("{path}.{site}")))
         }
     };
     issue.table.is_none() && unknown.iter().any(is_of)
@@ -257,7 +258,7 @@ impl Mended {
                 self.removed.push((parent.to_owned(), last.to_owned()));
                 self.unknown
                     .push(match is_vehicle(parent) && last != "stops" {
-                        true => Unknown::BesidePlaces(parent.to_owned()),
+                        true => Unknown::ButSites(parent.to_owned()),
                         false => Unknown::Within(mapping_around(path)),
                     });
             }
@@ -335,7 +336,11 @@ fn filling(key: &str, schema: &Schema, root: &Schema, depth: usize) -> Value {
     match kind {
         "string" => "".into(),
         "boolean" => false.into(),
-        "array" => Value::Sequence(Vec::new()),
+        "array" => {
+            let least = schema["minItems"].as_u64().unwrap_or(0).min(8);
+            let item = || filling("", resolved(&schema["items"], root), root, depth + 1);
+            Value::Sequence((0..least).map(|_| item()).collect())
+        }
         "object" if depth < 8 => {
             let required = schema["required"].as_array().into_iter().flatten();
             let keys = required.filter_map(Schema::as_str).map(|key| {

@@ -1,4 +1,4 @@
-//! What the ground tells of a spec that has problems already.
+//! What the ground shows of a spec that has problems already.
 
 use super::{Check, terrain, unread};
 use crate::spec::{Incomplete, KnownPlace, PlaceKind, SpecError};
@@ -19,7 +19,7 @@ pub fn with_ground(incomplete: Box<Incomplete>) -> SpecError {
                 issues: Vec::new(),
             };
             check.fleet(&known.vehicles);
-            for place in &known.places {
+            for place in &known.sites {
                 check.place(place);
             }
             let mut found = check.issues;

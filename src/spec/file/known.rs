@@ -1,8 +1,12 @@
-//! What is known of a spec in spite of its problems: the ground tells more of it.
+//! What is known of a spec in spite of its problems: the ground shows more of it.
 
-use super::file::structure::{self, Unknown};
-use super::{AltitudeLimits, EndPoint, Issue, SpecError, SpecFile};
+use std::path::Path;
+
+use super::SpecFile;
+use super::structure::{self, Unknown};
 use crate::geodesy::LatLon;
+use crate::spec::value_sources::in_order;
+use crate::spec::{AltitudeLimits, EndPoint, Issue, SpecError};
 
 /// A spec with problems, and what is known of it all the same.
 #[derive(Debug)]
@@ -22,7 +26,7 @@ pub struct Known {
     /// Where each of these vehicles stands in the file, such as `vehicles[3]`.
     pub vehicles: Vec<String>,
     /// Places of the other vehicles, of tasks and rally points.
-    pub places: Vec<KnownPlace>,
+    pub sites: Vec<KnownPlace>,
     pub(super) unknown: Vec<Unknown>,
 }
 
@@ -65,7 +69,7 @@ impl Known {
 
 impl Known {
     /// Leaves vehicles with a problem out: of these the places alone are known.
-    pub(super) fn with_whole_vehicles(mut self, issues: &[Issue]) -> Self {
+    fn with_whole_vehicles(mut self, issues: &[Issue]) -> Self {
         let is_broken = |vehicle: &str| {
             let made = self.file.is_made(vehicle);
             let mut issues = issues.iter();
@@ -76,7 +80,7 @@ impl Known {
             let mut unknown = self.unknown.iter();
             in_issues
                 || unknown.any(|unknown| match unknown {
-                    Unknown::At(path) | Unknown::Within(path) | Unknown::BesidePlaces(path) => {
+                    Unknown::At(path) | Unknown::Within(path) | Unknown::ButSites(path) => {
                         is_of(path, vehicle) || is_of(vehicle, path)
                     }
                 })
@@ -88,7 +92,7 @@ impl Known {
         let mut whole = is_whole.iter();
         self.vehicles.retain(|_| next(&mut whole));
         let vehicles = &self.vehicles;
-        self.places
+        self.sites
             .retain(|place| !vehicles.iter().any(|of| is_of(&place.path, of)));
         self.file.spec.tasks.clear();
         self.file.spec.rally.clear();
@@ -100,6 +104,18 @@ impl From<Box<Incomplete>> for SpecError {
     fn from(incomplete: Box<Incomplete>) -> Self {
         incomplete.error
     }
+}
+
+/// An error of the problems of a spec, with what is known where these leave its heights.
+pub(super) fn incomplete(path: &Path, issues: Vec<Issue>, known: Option<Known>) -> Box<Incomplete> {
+    let known = known
+        .filter(|known| !hides_ground(&issues, &known.unknown))
+        .map(|known| known.with_whole_vehicles(&issues));
+    let error = SpecError {
+        file: path.display().to_string(),
+        issues: in_order(issues),
+    };
+    Box::new(Incomplete { error, known })
 }
 
 /// Keys whose problems leave no ground to judge places by.
@@ -118,7 +134,7 @@ pub(super) fn is_of(path: &str, key: &str) -> bool {
 }
 
 /// Whether problems leave the heights of a spec unknown.
-pub(super) fn hides_ground(issues: &[Issue], unknown: &[Unknown]) -> bool {
+fn hides_ground(issues: &[Issue], unknown: &[Unknown]) -> bool {
     let in_issues = issues.iter().any(|issue| {
         let is_range = !issue.found.starts_with("unknown field");
         issue.table.is_none() && is_range && GROUND.iter().any(|key| is_of(&issue.path, key))
@@ -126,7 +142,7 @@ pub(super) fn hides_ground(issues: &[Issue], unknown: &[Unknown]) -> bool {
     // What is filled in for a limit of the area is wide.
     let in_unknown = unknown.iter().any(|unknown| match unknown {
         Unknown::Within(path) => ["terrain", "buffer_m"].iter().any(|key| is_of(path, key)),
-        Unknown::At(_) | Unknown::BesidePlaces(_) => false,
+        Unknown::At(_) | Unknown::ButSites(_) => false,
     });
     in_issues || in_unknown
 }
