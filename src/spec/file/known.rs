@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::SpecFile;
-use super::structure::{self, Unknown};
+use super::structure::{self, Unknown, is_of};
 use crate::geodesy::LatLon;
 use crate::spec::value_sources::in_order;
 use crate::spec::{AltitudeLimits, EndPoint, Issue, SpecError};
@@ -126,12 +126,6 @@ const GROUND: [&str; 5] = [
     "area.max_amsl_m",
     "area.max_agl_m",
 ];
-
-/// Whether a path is that of a key, or below it.
-pub(super) fn is_of(path: &str, key: &str) -> bool {
-    let rest = path.strip_prefix(key);
-    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
-}
 
 /// Whether problems leave the heights of a spec unknown.
 fn hides_ground(issues: &[Issue], unknown: &[Unknown]) -> bool {

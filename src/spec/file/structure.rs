@@ -12,8 +12,6 @@ use crate::spec::check::resolved;
 use crate::spec::positions::Positions;
 use crate::spec::{Issue, keys};
 
-use super::known::is_of;
-
 /// How the parser, and the check, name a missing key.
 const MISSING: &str = "missing field `";
 /// What a vehicle has places at: these do not depend on its other keys.
@@ -118,6 +116,12 @@ pub(in crate::spec) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
         }
     };
     issue.table.is_none() && unknown.iter().any(is_of)
+}
+
+/// Whether a path is that of a key, or below it.
+pub(super) fn is_of(path: &str, key: &str) -> bool {
+    let rest = path.strip_prefix(key);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
 /// The problem that ended a parse.
