@@ -10,7 +10,7 @@ use crate::formats;
 use crate::link::{Job, Progress, TransferReport, upload_fleet};
 use crate::mission::VehicleMission;
 use crate::simulator::{self, Running, Simulated};
-use crate::spec::{Builder, Link, MissionSpec, SpecError, SpecFile, keys};
+use crate::spec::{Builder, Incomplete, Link, MissionSpec, SpecError, SpecFile, keys};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
 
@@ -30,7 +30,7 @@ impl Mission {
     /// # Errors
     /// Every problem of the spec with its line and column, or terrain that cannot be read.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SpecError> {
-        Self::load(SpecFile::read(path.as_ref())?)
+        Self::load(SpecFile::read_known(path.as_ref()))
     }
 
     /// A mission from the text of a spec; files that it names are relative to a folder.
@@ -39,7 +39,7 @@ impl Mission {
     /// As for [`Self::read`].
     pub fn parse(folder: impl AsRef<Path>, yaml: impl Into<String>) -> Result<Self, SpecError> {
         let path = folder.as_ref().join("spec.yaml");
-        Self::load(SpecFile::parse(&path, yaml.into())?)
+        Self::load(SpecFile::parse_known(&path, yaml.into()))
     }
 
     /// Begins a mission in code: version 2 of the spec, with its default buffers and without
@@ -55,7 +55,7 @@ impl Mission {
     /// As for [`Self::read`], by path alone: there are no lines.
     pub fn build(folder: impl AsRef<Path>, builder: &Builder) -> Result<Self, SpecError> {
         let path = folder.as_ref().join(builder.name());
-        Self::load(builder.clone().file(&path)?)
+        Self::load(builder.clone().file_known(&path))
     }
 
     /// The keys of the mission, to change some of them and build it again.
@@ -66,7 +66,8 @@ impl Mission {
         self.file.to_builder()
     }
 
-    fn load(file: SpecFile) -> Result<Self, SpecError> {
+    fn load(file: Result<SpecFile, Box<Incomplete>>) -> Result<Self, SpecError> {
+        let file = file.map_err(world::with_ground)?;
         let world = world::load(&file)?;
         Ok(Self { file, world })
     }

@@ -17,23 +17,24 @@ const MAX_LISTED: usize = 20;
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     let mut surveys = Vec::new();
     let mut needs = Vec::new();
-    let (kind, vehicles, threats, zones) = match Document::read(&arguments.spec)? {
-        Document::Mission(file) => {
-            let world = world::load(&file)?;
-            let spec = &file.spec;
-            warn(spec, &world);
-            let fleet = spec.vehicles.iter().zip(&world.stations);
-            needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
-            needs.extend(fences(spec));
-            let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
-            surveys.clone_from(&file.surveys);
-            ("", vehicles, threats, spec.no_fly.len())
-        }
-        Document::Scenario(scenario) => {
-            let (vehicles, threats) = (scenario.vehicles.len(), scenario.threats.len());
-            (" scenario of the study", vehicles, threats, 0)
-        }
-    };
+    let (kind, vehicles, threats, zones) =
+        match Document::read_known(&arguments.spec).map_err(world::with_ground)? {
+            Document::Mission(file) => {
+                let world = world::load(&file)?;
+                let spec = &file.spec;
+                warn(spec, &world);
+                let fleet = spec.vehicles.iter().zip(&world.stations);
+                needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
+                needs.extend(fences(spec));
+                let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
+                surveys.clone_from(&file.surveys);
+                ("", vehicles, threats, spec.no_fly.len())
+            }
+            Document::Scenario(scenario) => {
+                let (vehicles, threats) = (scenario.vehicles.len(), scenario.threats.len());
+                (" scenario of the study", vehicles, threats, 0)
+            }
+        };
     let count = |number: usize, one: &str, many: &str| {
         if number == 1 {
             format!("1 {one}")
@@ -135,6 +136,12 @@ fn described(survey: &Survey) -> Vec<String> {
         .map(|(number, what)| format!("{number} {what}"))
         .collect();
     let mut lines = vec![format!("  {}: {}", survey.file, parts.join(", "))];
+    if survey.exchanged > 0 {
+        lines.push(format!(
+            "    {} of those out of reach would be in the area with latitude and longitude exchanged",
+            survey.exchanged
+        ));
+    }
     let shown = survey.zones.iter().take(MAX_LISTED);
     lines.extend(shown.map(|id| format!("    {id}")));
     if let Some(more @ 1..) = survey.zones.len().checked_sub(MAX_LISTED) {

@@ -112,7 +112,7 @@ fn finish(session: Option<Socket>, ended: Result<(), Failure>) -> Result<(), Fai
 
 /// The plan in its folder, of the spec that was named, verified again.
 pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failure> {
-    let named = SpecFile::read(spec)?;
+    let named = SpecFile::read_known(spec).map_err(world::with_ground)?;
     let folder = match dir {
         Some(dir) => dir.to_owned(),
         None => Path::new("out").join(&named.spec.name),

@@ -9,11 +9,11 @@ use crate::spec::{Buffers, SpecFile};
 use crate::world;
 
 pub(super) fn run(arguments: &args::Migrate) -> Result<(), Failure> {
-    let file = SpecFile::read(&arguments.spec)?;
+    let file = SpecFile::read_known(&arguments.spec).map_err(world::with_ground)?;
     let name = arguments.spec.display();
     let text = if file.spec.version == 1 {
         let text = file.in_version_2()?;
-        let migrated = SpecFile::parse(&arguments.spec, text)?;
+        let migrated = SpecFile::parse_known(&arguments.spec, text).map_err(world::with_ground)?;
         // What the buffers forbid shows over the ground as well.
         world::load(&migrated)?;
         note(&format!(

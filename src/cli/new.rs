@@ -99,7 +99,7 @@ fn quoted(text: &str) -> String {
 
 /// The world of a spec that must be good.
 fn checked(path: &Path, text: String) -> Result<World, Failure> {
-    let file = SpecFile::parse(path, text)?;
+    let file = SpecFile::parse_known(path, text).map_err(world::with_ground)?;
     Ok(world::load(&file)?)
 }
 

@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
 
 /// The spec, with the evaluations of the command line.
 fn read_spec(arguments: &args::Plan) -> Result<SpecFile, Failure> {
-    let mut file = SpecFile::read(&arguments.spec)?;
+    let mut file = SpecFile::read_known(&arguments.spec).map_err(world::with_ground)?;
     if let Some(evaluations) = arguments.evaluations {
         file.spec.planner.evaluations = usize::try_from(evaluations).unwrap_or(usize::MAX);
     }

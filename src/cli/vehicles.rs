@@ -16,7 +16,7 @@ use crate::spec::{SpecFile, Vehicle};
 use crate::world;
 
 pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
-    let file = SpecFile::read(&arguments.spec)?;
+    let file = SpecFile::read_known(&arguments.spec).map_err(world::with_ground)?;
     let world = world::load(&file)?;
     let speak_to = arguments.speak_to.as_deref().map(resolve).transpose()?;
     let mut running: Vec<Running> = Vec::new();

@@ -9,7 +9,7 @@ use crate::world::World;
 
 use super::remaining::moved_apart;
 use super::tighten::Strictness;
-use super::{Dispatched, Job, Stage, crowd, judged};
+use super::{Dispatched, Job, Stage, crowd, judged, timed_zones};
 
 /// Rounds of planning that every fleet has. A violation that remains after them is a conflict in
 /// the spec, and the operator should see it soon.
@@ -17,6 +17,7 @@ const ROUNDS: usize = 5;
 /// Most rounds, as long as each has fewer violations than all before. In a large fleet a vehicle
 /// that gives way to a repaired one may fail for the first time in a late round.
 const MAX_ROUNDS: usize = 12;
+
 /// Dispatches a fleet one vehicle after the other, with those that fail planned again.
 pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     let Job {
@@ -41,6 +42,8 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
         };
     let (judged_spec, judged_world) = job.judged;
     let mut reviewer = Reviewer::new(judged_spec, judged_world);
+    // No stricter margin keeps a vehicle out of a zone that it is planned through.
+    let is_entered = |found: &Dispatched| !timed_zones::entered_in_time(job, found).is_empty();
     let plan = plan_again(1, &strictness, None);
     let mut latest = judged(job, &mut reviewer, (1, plan), None);
     // The best round, where that is not the latest.
@@ -48,7 +51,8 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     let mut improves = true;
     let mut rounds = 1;
     for round in 2..=MAX_ROUNDS {
-        if latest.review.passes() || round > ROUNDS && !improves || run.is_cancelled() {
+        let is_last = round > ROUNDS && !improves || is_entered(&latest);
+        if latest.review.passes() || is_last || run.is_cancelled() {
             break;
         }
         let again = strictness.tighten(spec, world, &latest.plan, &latest.review);
@@ -69,7 +73,7 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     let mut best = best.unwrap_or(latest);
     best.rounds = rounds;
     let mut best = without_remaining_pairs(job, &mut reviewer, best);
-    if !best.review.passes() && !run.is_cancelled() {
+    if !best.review.passes() && !is_entered(&best) && !run.is_cancelled() {
         best.add_blockers(spec, world, run.seed, strictness);
     }
     best

@@ -1,11 +1,15 @@
 //! Zones with times. The planner takes every zone as closed at all times; a fleet that flies while
 //! one is inactive, or that may wait on the ground until it is, is planned without it as well, and
-//! the verdict, which knows the times, decides.
+//! the verdict, which knows the times, decides. Where a zone begins or ends during a flight, see
+//! [`in_flight`].
+
+mod in_flight;
 
 use super::{Dispatched, Job};
 use crate::path::route_ends;
 use crate::spec::{MissionSpec, Span, Vehicle};
-use crate::world::World;
+use crate::verify::Limit;
+use crate::world::{Stations, World};
 
 /// A plan this near to its bound has nothing to gain, as a share of the bound.
 const WORTH: f64 = 0.01;
@@ -44,11 +48,28 @@ pub(super) fn with_times<'a>(
     if let Some(found) = through.as_ref().filter(|found| is_good(found)) {
         return found.clone();
     }
+    let in_time = in_flight::in_time(job, &dispatch_closed);
+    let is_as_specified = |found: &Dispatched| {
+        let mut fleet = job.spec.vehicles.iter().zip(&found.plan.vehicles);
+        fleet.all(|(vehicle, plan)| plan.depart_s <= vehicle.depart_s)
+    };
+    if let Some((found, is_unhindered)) = &in_time
+        && is_as_specified(found)
+        && (*is_unhindered || is_good(found))
+    {
+        return found.clone();
+    }
     let closed = dispatch_closed(job);
     let mut best = match through {
         Some(found) if found.is_better_than(closed.rank()) => found,
         _ => closed,
     };
+    if let Some((found, _)) = in_time {
+        let share = 1.0 - WORTH * f64::from(u8::from(!is_as_specified(&found)));
+        if !best.review.passes() || found.plan.cost() < best.plan.cost() * share {
+            best = found;
+        }
+    }
     for variant in &after {
         if is_good(&best) || job.run.is_cancelled() {
             break;
@@ -60,6 +81,27 @@ pub(super) fn with_times<'a>(
         }
     }
     best
+}
+
+/// The zones that vehicles enter while they are active, though they were planned through them: by the
+/// indices of vehicle and zone of the spec that is judged.
+pub(super) fn entered_in_time(job: Job<'_>, found: &Dispatched) -> Vec<(usize, usize)> {
+    let all = &job.judged.0.no_fly;
+    let broken = found.review.margins.iter().filter(|margin| !margin.ok);
+    let entered = broken.filter_map(|margin| {
+        let Limit::Zone(id) = &margin.limit else {
+            return None;
+        };
+        let mut fleet = job.spec.vehicles.iter();
+        let vehicle = fleet.position(|vehicle| vehicle.id == margin.vehicle)?;
+        let own = job.world.own.get(vehicle).and_then(Option::as_deref);
+        let among = own.map_or(job.spec, |own| &own.spec);
+        let zone = all.iter().position(|zone| zone.id == *id)?;
+        let is_planned_through =
+            all[zone].active_s.is_some() && !among.no_fly.iter().any(|zone| zone.id == *id);
+        is_planned_through.then_some((vehicle, zone))
+    });
+    entered.collect()
 }
 
 /// The spec and the world without zones that are inactive while the fleet flies: as it departs by
@@ -124,14 +166,22 @@ fn flight_s(spec: &MissionSpec, world: &World) -> (f64, f64) {
     let fleet = spec.vehicles.iter().zip(&world.stations);
     let flights = fleet.map(|(vehicle, stations)| {
         let departs_s = vehicle.departures().least.min(vehicle.depart_s);
-        let routes = route_ends(vehicle, stations).into_iter();
-        let straight_m: f64 = routes.map(|(from, to)| from.distance_m(to)).sum();
-        let climb_m = (stations.start.amsl.0 - stations.home.amsl.0).abs();
-        let airborne_s = DETOUR * (straight_m / vehicle.speed_mps + climb_m / climb_mps(vehicle));
-        (departs_s, vehicle.depart_s + airborne_s)
+        (
+            departs_s,
+            vehicle.depart_s + DETOUR * straight_s(vehicle, stations),
+        )
     });
     let whole = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
     flights.fold((f64::INFINITY, f64::NEG_INFINITY), whole)
+}
+
+/// How long a vehicle is in the air on straight routes, with its rests, seconds.
+fn straight_s(vehicle: &Vehicle, stations: &Stations) -> f64 {
+    let routes = route_ends(vehicle, stations).into_iter();
+    let straight_m: f64 = routes.map(|(from, to)| from.distance_m(to)).sum();
+    let rests_s = (0..=vehicle.stops.len()).map(|route| vehicle.rest_after_s(route));
+    let climb_m = (stations.start.amsl.0 - stations.home.amsl.0).abs();
+    rests_s.sum::<f64>() + straight_m / vehicle.speed_mps + climb_m / climb_mps(vehicle)
 }
 
 fn climb_mps(vehicle: &Vehicle) -> f64 {

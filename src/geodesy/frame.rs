@@ -294,6 +294,16 @@ impl LocalFrame {
         (0..CIRCLE_CORNERS).map(corner).collect()
     }
 
+    /// In how many pieces [`Self::outline`] draws an edge.
+    #[must_use]
+    pub fn pieces(from: LatLon, to: LatLon) -> u32 {
+        let mut pieces = 1_u32;
+        while pieces < 1000 && from.chord_m(to) > f64::from(pieces) * EDGE_PIECE_M {
+            pieces += 1;
+        }
+        pieces
+    }
+
     /// The polygon of these corners in planning coordinates (x east, y north, metres).
     ///
     /// Edges are straight in latitude and longitude, as autopilots test fences. In
@@ -306,10 +316,7 @@ impl LocalFrame {
             .iter()
             .zip(next)
             .flat_map(|(&from, &to)| {
-                let mut pieces = 1_u32;
-                while pieces < 1000 && from.chord_m(to) > f64::from(pieces) * EDGE_PIECE_M {
-                    pieces += 1;
-                }
+                let pieces = Self::pieces(from, to);
                 (0..pieces).map(move |piece| {
                     let share = f64::from(piece) / f64::from(pieces);
                     let between = |a: f64, b: f64| a + (b - a) * share;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::keys;
 use super::positions::Positions;
-use super::{MissionSpec, SpecError, SpecFile};
+use super::{Incomplete, MissionSpec, SpecError, SpecFile};
 
 /// Makes a [`MissionSpec`] from [`keys`], with the checks and the issues that a file has.
 ///
@@ -114,6 +114,14 @@ impl Builder {
     /// # Errors
     /// Every problem, by its path.
     pub fn file(self, path: &Path) -> Result<SpecFile, SpecError> {
+        Ok(self.file_known(path)?)
+    }
+
+    /// [`Self::file`], with what is known of the mission in spite of its problems.
+    ///
+    /// # Errors
+    /// As for [`Self::file`].
+    pub fn file_known(self, path: &Path) -> Result<SpecFile, Box<Incomplete>> {
         SpecFile::check(path, self.yaml(), self.keys.into(), Positions::default())
     }
 

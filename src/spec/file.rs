@@ -1,5 +1,6 @@
 //! A spec file: read, parsed and checked, with its text for messages and copies.
 
+pub(super) mod known;
 pub(super) mod structure;
 
 use std::io::Read;
@@ -14,6 +15,7 @@ use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::text::open_regular;
+use known::{Incomplete, Known};
 use structure::{KeysRead, Unknown};
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
@@ -66,10 +68,29 @@ impl SpecFile {
     /// Broken YAML, or else every problem, in file order: of keys and types, of files that cannot be
     /// read, and all semantic ones that can be known beside them.
     pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
-        let one = |issue: Issue| SpecError {
-            file: path.display().to_string(),
-            issues: vec![issue],
+        Ok(Self::parse_known(path, text)?)
+    }
+
+    /// [`Self::read`], with what is known of a spec in spite of its problems.
+    ///
+    /// # Errors
+    /// As for [`Self::read`].
+    pub fn read_known(path: &Path) -> Result<Self, Box<Incomplete>> {
+        Self::parse_known(path, read_text(path).map_err(nothing_known)?)
+    }
+
+    /// [`Self::parse`], with what is known of a spec in spite of its problems.
+    ///
+    /// # Errors
+    /// As for [`Self::parse`].
+    pub fn parse_known(path: &Path, text: String) -> Result<Self, Box<Incomplete>> {
+        let all = |issues: Vec<Issue>| {
+            nothing_known(SpecError {
+                file: path.display().to_string(),
+                issues,
+            })
         };
+        let one = |issue: Issue| all(vec![issue]);
         // Editors on Windows begin a file with a byte order mark.
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let positions = Positions::read(yaml).map_err(one)?;
@@ -83,10 +104,7 @@ impl SpecFile {
                 allowed: "a mission in latitude and longitude, without this key".to_owned(),
             }));
         }
-        let read = structure::read(yaml, &positions).map_err(|issues| SpecError {
-            file: path.display().to_string(),
-            issues: in_order(issues),
-        })?;
+        let read = structure::read(yaml, &positions).map_err(|issues| all(in_order(issues)))?;
         Self::check(path, text, read, positions)
     }
 
@@ -96,7 +114,7 @@ impl SpecFile {
         text: String,
         read: KeysRead,
         positions: Positions,
-    ) -> Result<Self, SpecError> {
+    ) -> Result<Self, Box<Incomplete>> {
         let KeysRead {
             keys,
             mut issues,
@@ -123,28 +141,30 @@ impl SpecFile {
         // Whether it is one is checked below.
         let t0: Option<jiff::Timestamp> = keys.t0.as_deref().and_then(|text| text.parse().ok());
         let checked = check::check(keys, positions, table.unwrap_or_default(), &attached);
-        let (checked, sources) = match checked {
-            Ok(checked) if issues.is_empty() => checked,
-            checked => {
-                let semantic = checked.err().unwrap_or_default();
-                let is_known = |issue: &Issue| !structure::is_unknown(issue, &unknown);
-                issues.extend(semantic.into_iter().filter(is_known));
-                return Err(SpecError {
-                    file: path.display().to_string(),
-                    issues: in_order(issues),
-                });
-            }
-        };
-        Ok(Self {
-            spec: checked.spec,
+        let is_known = |issue: &Issue| !structure::is_unknown(issue, &unknown);
+        issues.extend(checked.issues.into_iter().filter(is_known));
+        let file = checked.spec.map(|(spec, surveys)| Self {
+            spec,
             text,
             path: path.to_owned(),
             table: file,
             attached,
-            surveys: checked.surveys,
+            surveys,
             t0_unix_ms: t0.and_then(|t0| u64::try_from(t0.as_millisecond()).ok()),
-            sources,
-        })
+            sources: checked.sources,
+        });
+        match file {
+            Some(file) if issues.is_empty() => Ok(file),
+            file => {
+                let known = file.map(|file| Known {
+                    file,
+                    vehicles: checked.vehicles,
+                    sites: checked.sites,
+                    unknown,
+                });
+                Err(known::incomplete(path, issues, known))
+            }
+        }
     }
 
     /// The text of a spec of version 1 with 2 in place of its version; all else stays.
@@ -179,6 +199,11 @@ impl SpecFile {
         }
     }
 
+    /// Whether `fleet` made a vehicle.
+    pub(super) fn is_made(&self, vehicle: &str) -> bool {
+        self.sources.is_made(vehicle)
+    }
+
     /// A problem at a path of this file, with its line and column.
     #[must_use]
     pub fn issue(&self, path: &str, found: String, allowed: String) -> Issue {
@@ -205,6 +230,11 @@ impl SpecFile {
             TerrainSource::Flat(_) | TerrainSource::Analytic { .. } => None,
         }
     }
+}
+
+/// An error beside which nothing is known.
+pub(super) fn nothing_known(error: SpecError) -> Box<Incomplete> {
+    Box::new(Incomplete { error, known: None })
 }
 
 /// The table that a spec names, in its folder.

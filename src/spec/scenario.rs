@@ -6,7 +6,7 @@ use super::check;
 use super::file::{self, SpecFile};
 use super::keys;
 use super::positions::Positions;
-use super::{Planner, SpecError};
+use super::{Incomplete, Planner, SpecError};
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
 
 /// A spec with `frame: local`, checked: a flat world whose "up" is altitude.
@@ -169,11 +169,24 @@ impl Document {
     /// # Errors
     /// As [`SpecFile::parse`] and [`Scenario::parse`].
     pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
+        Ok(Self::parse_known(path, text)?)
+    }
+
+    /// [`Self::read`], with what is known of a mission in spite of its problems.
+    ///
+    /// # Errors
+    /// As for [`Self::read`].
+    pub fn read_known(path: &Path) -> Result<Self, Box<Incomplete>> {
+        Self::parse_known(path, file::read_text(path).map_err(file::nothing_known)?)
+    }
+
+    fn parse_known(path: &Path, text: String) -> Result<Self, Box<Incomplete>> {
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
         if Positions::read(yaml).is_ok_and(|positions| positions.has("frame")) {
-            Scenario::parse(path, &text).map(|scenario| Self::Scenario(Box::new(scenario)))
+            let scenario = Scenario::parse(path, &text).map_err(file::nothing_known)?;
+            Ok(Self::Scenario(Box::new(scenario)))
         } else {
-            SpecFile::parse(path, text).map(|file| Self::Mission(Box::new(file)))
+            SpecFile::parse_known(path, text).map(|file| Self::Mission(Box::new(file)))
         }
     }
 }

@@ -119,6 +119,11 @@ impl ValueSources {
         Some((made, rest.trim_start_matches('.')))
     }
 
+    /// Whether `fleet` made the vehicle of a path.
+    pub(super) fn is_made(&self, path: &str) -> bool {
+        self.made(path).is_some()
+    }
+
     fn row(&self, made: &Made) -> Option<&Row> {
         self.table.rows.get(made.row?)
     }

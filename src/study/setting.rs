@@ -178,6 +178,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
     };
     World {
         tasks: Vec::new(),
+        own: Vec::new(),
         frame,
         // Only verification reads the terrain; searches read the grid.
         terrain: Terrain::Flat(Amsl(0.0)),

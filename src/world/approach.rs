@@ -136,7 +136,7 @@ impl World {
 }
 
 /// Planes whose course to their landing is left open, where no course is free.
-pub(super) fn blocked(file: &SpecFile, world: &World) -> Vec<Issue> {
+pub(super) fn blocked(file: &SpecFile, world: &World, paths: &[String]) -> Vec<Issue> {
     let vehicles = file.spec.vehicles.iter().zip(&world.stations).enumerate();
     let blocked = vehicles.filter(|(_, (vehicle, stations))| {
         let is_open = vehicle.airframe == Airframe::Plane && vehicle.approach_wind().is_some();
@@ -144,7 +144,7 @@ pub(super) fn blocked(file: &SpecFile, world: &World) -> Vec<Issue> {
     });
     let issue = |(index, _): (usize, _)| {
         file.issue(
-            &format!("vehicles[{index}].landing"),
+            &format!("{}.landing", paths[index]),
             "no course to the landing is free, whatever the wind".to_owned(),
             "one inside the area, off threats and zones, above the ground: by glide_deg, \
              loiter_radius_m or the height, or heading_deg"

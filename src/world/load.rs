@@ -1,8 +1,11 @@
 //! From a spec file to its world: reads the terrain, then checks what needs ground.
 
 mod altitudes;
+mod incomplete;
 mod takeoff_region;
 mod tasks;
+
+pub use incomplete::with_ground;
 
 use std::path::PathBuf;
 
@@ -12,8 +15,8 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::numeric::digits;
 use crate::numeric::geometry::Ring;
 use crate::spec::{
-    BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
-    Zone,
+    AltitudeLimits, BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile,
+    TerrainSource, Vehicle, Zone,
 };
 
 /// The world of a spec file. Its terrain is read from a path relative to the spec.
@@ -26,40 +29,48 @@ use crate::spec::{
 /// around which a QuadPlane may be at such a place before it is on its first leg, two goals at which
 /// vehicles loiter within each other's separation.
 pub fn load(file: &SpecFile) -> Result<World, SpecError> {
-    let terrain = terrain(file).map_err(|error| {
-        let path = match file.spec.terrain {
-            TerrainSource::Folder(_) => "terrain.folder",
-            _ => "terrain.file",
-        };
-        let issue = file.issue(path, error.to_string(), String::new());
-        file.error(vec![issue])
-    })?;
+    let terrain = terrain(file).map_err(|error| file.error(vec![unread(file, &error)]))?;
+    let vehicles = 0..file.spec.vehicles.len();
+    let vehicles: Vec<String> = vehicles.map(|index| format!("vehicles[{index}]")).collect();
     let mut check = Check {
         file,
         terrain: &terrain,
         issues: Vec::new(),
     };
-    for (index, vehicle) in file.spec.vehicles.iter().enumerate() {
-        check.vehicle(&format!("vehicles[{index}]"), vehicle);
-    }
+    check.fleet(&vehicles);
     check.tasks();
     for (index, rally) in file.spec.rally.iter().enumerate() {
         check.rally(&format!("rally[{index}]"), rally.place, rally.agl.0);
     }
-    check.loiters();
-    let issues = check.issues;
-    if !issues.is_empty() {
-        return Err(file.error(issues));
+    let mut issues = check.issues;
+    match World::new(&file.spec, terrain) {
+        Ok(world) => {
+            let blocked = super::approach::blocked(file, &world, &vehicles);
+            // What is wrong with a vehicle may be why.
+            let is_free = |of: &Issue| !issues.iter().any(|it| it.position == of.position);
+            let blocked: Vec<Issue> = blocked.into_iter().filter(is_free).collect();
+            issues.extend(blocked);
+            match issues.is_empty() {
+                true => Ok(world),
+                false => Err(file.error(issues)),
+            }
+        }
+        Err(error) => {
+            if issues.is_empty() {
+                issues.push(file.issue("terrain", error.to_string(), String::new()));
+            }
+            Err(file.error(issues))
+        }
     }
-    let world = World::new(&file.spec, terrain).map_err(|error| {
-        let issue = file.issue("terrain", error.to_string(), String::new());
-        file.error(vec![issue])
-    })?;
-    let issues = super::approach::blocked(file, &world);
-    match issues.is_empty() {
-        true => Ok(world),
-        false => Err(file.error(issues)),
-    }
+}
+
+/// What is wrong with a terrain that cannot be used.
+fn unread(file: &SpecFile, error: &TerrainError) -> Issue {
+    let path = match file.spec.terrain {
+        TerrainSource::Folder(_) => "terrain.folder",
+        _ => "terrain.file",
+    };
+    file.issue(path, error.to_string(), String::new())
 }
 
 fn terrain(file: &SpecFile) -> Result<Terrain, TerrainError> {
@@ -129,22 +140,30 @@ impl Check<'_> {
         }
     }
 
+    /// All vehicles, by the paths that they have in the file.
+    fn fleet(&mut self, paths: &[String]) {
+        for (path, vehicle) in paths.iter().zip(&self.file.spec.vehicles) {
+            self.vehicle(path, vehicle);
+        }
+        self.loiters(paths);
+    }
+
     fn vehicle(&mut self, path: &str, vehicle: &Vehicle) {
         let home = format!("{path}.home");
         if let Some(ground) = self.ground(&home, vehicle.home) {
             self.zones(&home, "takeoff", vehicle.home, ground);
         }
-        self.airborne((&format!("{path}.start"), "start"), vehicle, vehicle.start);
+        let start = format!("{path}.start");
+        let never = (vehicle.altitudes, false);
+        self.airborne((&start, "start"), vehicle.start, never);
         self.takeoff_region(path, vehicle);
         self.tolerance(vehicle);
         let goal = format!("{path}.goal");
-        self.airborne((&goal, "goal"), vehicle, vehicle.goal);
+        let can_drop = vehicle.can_drop();
+        self.airborne((&goal, "goal"), vehicle.goal, (vehicle.altitudes, can_drop));
         for (index, stop) in vehicle.stops.iter().enumerate() {
-            self.airborne(
-                (&format!("{path}.stops[{index}]"), "stop"),
-                vehicle,
-                stop.end,
-            );
+            let path = format!("{path}.stops[{index}]");
+            self.airborne((&path, "stop"), stop.end, never);
         }
         if vehicle.finish == Finish::Land
             && let Ok(ground) = self.terrain.height(vehicle.goal.place)
@@ -191,8 +210,13 @@ impl Check<'_> {
         self.report(path, found, format!("at most {} m", digits::plain(most_m)));
     }
 
-    /// A point of the plan: over ground, high enough, under the ceiling, in no zone.
-    fn airborne(&mut self, (path, what): (&str, &str), vehicle: &Vehicle, end: EndPoint) {
+    /// A point of the plan: over ground, high enough but for a drop, under the ceiling, in no zone.
+    fn airborne(
+        &mut self,
+        (path, what): (&str, &str),
+        end: EndPoint,
+        (altitudes, can_drop): (AltitudeLimits, bool),
+    ) {
         let area = self.file.spec.area;
         let Some(ground) = self.ground(path, end.place) else {
             return;
@@ -214,7 +238,7 @@ impl Check<'_> {
                 found,
                 format!("at least {} m above {over}", area.min_agl.0),
             );
-        } else if what == "goal" && self.is_drop(vehicle, agl_m) {
+        } else if can_drop && agl_m < area.min_agl.0 {
             // The route ends above it.
         } else if agl_m < area.min_agl.0 {
             let above_m = digits::distinct_from(agl_m, area.min_agl.0, 1);
@@ -244,7 +268,7 @@ impl Check<'_> {
             let found = format!("{what} is at {at_m} m, over {over}");
             self.report(path, found, ceiling.allowed(amsl.0));
         }
-        self.within((path, what), vehicle.altitudes, (amsl, ground));
+        self.within((path, what), altitudes, (amsl, ground));
         self.zones(path, what, end.place, amsl);
     }
 
@@ -327,7 +351,7 @@ impl Check<'_> {
             place,
             altitude: Placement::Amsl(gate.amsl),
         };
-        self.airborne((path, &what), vehicle, end);
+        self.airborne((path, &what), end, (vehicle.altitudes, false));
     }
 
     fn rally(&mut self, path: &str, place: LatLon, agl_m: f64) {
@@ -423,7 +447,7 @@ impl Check<'_> {
     }
 
     /// A loitering vehicle stays at its goal for ever.
-    fn loiters(&mut self) {
+    fn loiters(&mut self, paths: &[String]) {
         let spec = &self.file.spec;
         let stays: Vec<(usize, PlanPoint)> = spec
             .vehicles
@@ -457,7 +481,7 @@ impl Check<'_> {
                         "loiters for ever {across_m:.1} m across and {up_m:.1} m in height from `{}`",
                         spec.vehicles[*earlier].id
                     );
-                    self.report(&format!("vehicles[{later}].goal"), found, allowed.clone());
+                    self.report(&format!("{}.goal", paths[*later]), found, allowed.clone());
                 }
             }
         }

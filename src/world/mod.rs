@@ -14,7 +14,7 @@ mod zone;
 pub use departure::Departure;
 pub use ground::Ground;
 pub use layer::Layer;
-pub use load::{files, load};
+pub use load::{files, load, with_ground};
 pub use reader::{
     Bounds, TerrainError, TerrainInfo, elevation_files, inspect, is_elevation, read_terrain,
     terrain_files,
@@ -91,6 +91,18 @@ pub struct World {
     pub stations: Vec<Stations>,
     /// The places of each task.
     pub tasks: Vec<Vec<PlanPoint>>,
+    /// What single vehicles are planned among instead, where they pass zones outside of their times;
+    /// empty where all are planned among the same.
+    pub own: Vec<Option<Arc<OwnWorld>>>,
+}
+
+/// A spec and its world without the zones that one vehicle passes outside of their times.
+#[derive(Clone, Debug)]
+pub struct OwnWorld {
+    /// The spec.
+    pub spec: MissionSpec,
+    /// Its world.
+    pub world: World,
 }
 
 impl Disc {
@@ -138,6 +150,7 @@ impl World {
             layers: Vec::new(),
             stations,
             tasks,
+            own: Vec::new(),
         };
         Ok(world.with_limits(spec, true).with_approaches(spec))
     }

@@ -193,6 +193,34 @@ fn wings_fly_past_their_stops() {
     }
 }
 
+#[test]
+fn wings_take_a_picture_at_their_goal_before_they_land_or_circle() {
+    for (autopilot, airframe) in support::wings::KINDS {
+        for finish in [Finish::Land, Finish::Loiter] {
+            let mut spec = support::wings::wing_with_stops(autopilot, airframe);
+            let vehicle = &mut spec.vehicles[0];
+            vehicle.finish = finish;
+            vehicle.stops.truncate(1);
+            // A circle is flown up to 6 m off its height.
+            vehicle.goal.altitude = Placement::Agl(sortie::geodesy::Agl(100.0));
+            vehicle.on_way.goal = vec![StopAction::Photo];
+            let plan = plan_spec(spec);
+            let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+            assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+            let report = plan.judge(&sky);
+            assert!(
+                report.passes(),
+                "{autopilot} {airframe} {finish:?}: {report:#?}"
+            );
+            assert!(
+                sky.says("heron", "picture 2"),
+                "{autopilot} {airframe} {finish:?}: {:?}",
+                sky.events
+            );
+        }
+    }
+}
+
 /// Takes off eastward, flies 3 km east, and lands eastward or circles.
 fn plane(id: &str, sysid: u8, autopilot: Autopilot, lat: f64) -> Vehicle {
     Vehicle {

@@ -6,6 +6,7 @@ mod support;
 mod altitude_limits;
 mod anytime;
 mod assignment;
+mod both_autopilots;
 mod bound;
 mod certificates;
 mod cost;

@@ -3,8 +3,9 @@
 use crate::support;
 
 use sortie::dispatch::{Dispatched, dispatch};
+use sortie::geodesy::Agl;
 use sortie::mission::{Item, command};
-use sortie::spec::{MissionSpec, StopAction};
+use sortie::spec::{Finish, MissionSpec, OnWay, Placement, StopAction};
 use sortie::verify::{Limit, Review, review};
 use sortie::world::World;
 use support::wings::{KINDS, wing_with_stops as spec};
@@ -218,5 +219,83 @@ fn a_hold_of_a_wing_is_a_circle_for_its_time_and_the_verdict_judges_it() {
         let closed = world_of(&near);
         let found = failed(&review(&near, &closed, &[(0, mission)]));
         assert!(named(&found, "threat mast"), "{found:?}");
+    }
+}
+
+#[test]
+fn a_wing_acts_at_its_start_and_at_its_goal_before_it_lands_or_circles() {
+    for (autopilot, airframe) in KINDS {
+        for finish in [Finish::Land, Finish::Loiter] {
+            let mut spec = spec(autopilot, airframe);
+            let vehicle = &mut spec.vehicles[0];
+            vehicle.finish = finish;
+            vehicle.stops.truncate(1);
+            // A circle is flown up to 6 m off its height.
+            vehicle.goal.altitude = Placement::Agl(Agl(100.0));
+            let released = StopAction::Gripper { grabs: false };
+            vehicle.on_way = OnWay {
+                start: vec![StopAction::Video { starts: true }],
+                goal: vec![StopAction::Photo, released],
+                trigger_m: Some(60.0),
+            };
+            let (world, done) = dispatched(&spec);
+            let mission = &done.missions[0].1;
+            let items = &mission.items;
+            let at = |command: u16| items.iter().rposition(|item| item.command == command);
+            let (photo, release) = (
+                at(command::IMAGE_START_CAPTURE).expect("a picture"),
+                at(command::DO_GRIPPER).expect("a release"),
+            );
+            assert_eq!(release, photo + 1, "{autopilot} {airframe} {finish:?}");
+            let is_place = |item: &&Item| item.command <= command::NAV_LAST;
+            let before = items[..photo]
+                .iter()
+                .rfind(is_place)
+                .expect("a place before");
+            let after = items[release..]
+                .iter()
+                .find(is_place)
+                .expect("a place after");
+            assert_eq!(before.command, command::NAV_WAYPOINT);
+            let circles = after.command == command::NAV_LOITER_UNLIM;
+            assert_eq!(circles, finish == Finish::Loiter, "{}", after.command);
+            let judged = |change: &dyn Fn(&mut Vec<Item>)| {
+                let mut changed = mission.clone();
+                change(&mut changed.items);
+                failed(&review(&spec, &world, &[(0, &changed)]))
+            };
+            let dropped = judged(&|items| {
+                items.remove(photo);
+            });
+            assert!(
+                dropped.iter().any(|line| line
+                    .starts_with("actions at stop goal: action 1 (photo): no item does it")),
+                "{autopilot} {airframe} {finish:?}: {dropped:?}"
+            );
+            // Not where the mission is over: nothing after an endless circle or a landing is run.
+            let late = judged(&|items| {
+                let item = items.remove(photo);
+                items.push(item);
+            });
+            assert!(
+                late.iter()
+                    .any(|line| line.contains("actions at stop goal: action 1 (photo)")),
+                "{autopilot} {airframe} {finish:?}: {late:?}"
+            );
+            // Nor on the way to the goal.
+            let early = judged(&|items| {
+                let item = items.remove(photo);
+                let stop = items
+                    .iter()
+                    .position(|item| item.command == command::NAV_WAYPOINT);
+                items.insert(stop.expect("a waypoint"), item);
+            });
+            assert!(
+                early
+                    .iter()
+                    .any(|line| line.contains("actions at stop goal: action 1 (photo)")),
+                "{autopilot} {airframe} {finish:?}: {early:?}"
+            );
+        }
     }
 }

@@ -63,8 +63,11 @@ fn a_vehicle_with_a_window_waits_for_the_end_of_a_zone_that_closes_its_way() {
     });
     let done = dispatched(&spec);
     assert!(done.review.passes());
+    // On the ground until it comes there after the zone's time.
     let depart_s = done.plan.vehicles[0].depart_s;
-    assert!((600.0..700.0).contains(&depart_s), "{depart_s}");
+    assert!((200.0..600.0).contains(&depart_s), "{depart_s}");
+    let (middle_s, _) = passes_at_s(&spec);
+    assert!(depart_s + middle_s > 600.0, "{depart_s} {middle_s}");
 }
 
 #[test]
@@ -79,7 +82,7 @@ fn a_vehicle_with_a_window_waits_where_the_way_around_is_longer() {
     let done = dispatched(&spec);
     assert!(done.review.passes());
     assert!(done.plan.cost() < 0.99 * around.plan.cost());
-    assert!(done.plan.vehicles[0].depart_s > 600.0);
+    assert!(done.plan.vehicles[0].depart_s > 200.0);
 }
 
 #[test]
@@ -96,4 +99,92 @@ fn a_zone_that_is_active_in_flight_is_gone_around_where_waiting_gains_nothing() 
     let same = dispatched(&spec);
     assert_eq!(same.plan.vehicles[0].depart_s, 0.0);
     assert!((same.plan.cost() - around.plan.cost()).abs() < 1e-9);
+}
+
+/// When a vehicle is in the middle of its flight without zones, and at its end, seconds.
+fn passes_at_s(spec: &MissionSpec) -> (f64, f64) {
+    let mut open = spec.clone();
+    open.no_fly.clear();
+    let flight = dispatched(&open)
+        .plan
+        .flights(&open, &world(&open))
+        .remove(0);
+    let ends_s = flight.points.last().expect("flown").t_s;
+    (ends_s / 2.0, ends_s)
+}
+
+fn with_times(spec: &MissionSpec, active_s: (f64, f64)) -> MissionSpec {
+    let mut spec = spec.clone();
+    spec.no_fly[0].active_s = Some(active_s);
+    spec
+}
+
+#[test]
+fn a_zone_that_begins_or_ends_in_flight_is_flown_through_before_or_after_it() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut spec = closed((0.0, 1.0), true);
+        spec.vehicles[0].autopilot = autopilot;
+        let (middle_s, ends_s) = passes_at_s(&spec);
+        let free = cost_without(&spec);
+        for active_s in [
+            (middle_s + 0.3 * ends_s, 9000.0),
+            (0.0, middle_s - 0.3 * ends_s),
+        ] {
+            let spec = with_times(&spec, active_s);
+            let done = dispatched(&spec);
+            assert!(done.review.passes(), "{autopilot:?} {active_s:?}");
+            assert!(done.plan.cost() < 1.001 * free);
+            assert_eq!(done.plan.vehicles[0].depart_s, 0.0);
+            // The fence of the mission knows no times.
+            assert!(done.missions[0].1.items.len() > 2);
+        }
+        // While it is active in the middle of the flight there is no way.
+        let spec = with_times(&spec, (middle_s - 0.1 * ends_s, middle_s + 0.1 * ends_s));
+        assert!(!dispatched(&spec).review.passes());
+    }
+}
+
+#[test]
+fn a_vehicle_departs_within_its_window_so_that_it_passes_a_zone_after_or_before_its_time() {
+    let mut spec = closed((0.0, 1.0), true);
+    let (middle_s, ends_s) = passes_at_s(&spec);
+    let window = |least, most| Some(Span { least, most });
+    // It ends too late to be waited for on the ground.
+    let late_s = 0.3 * ends_s;
+    spec.vehicles[0].retiming.depart_s = window(0.0, late_s + 200.0);
+    let after = with_times(&spec, (0.0, middle_s + late_s));
+    let done = dispatched(&after);
+    assert!(done.review.passes());
+    let depart_s = done.plan.vehicles[0].depart_s;
+    assert!(
+        (late_s - 100.0..late_s + 200.0).contains(&depart_s),
+        "{depart_s}"
+    );
+    // It begins too early for the specified departure.
+    spec.vehicles[0].depart_s = 600.0;
+    spec.vehicles[0].retiming.depart_s = window(0.0, 600.0);
+    let before = with_times(&spec, (middle_s + 300.0, 9000.0));
+    let done = dispatched(&before);
+    assert!(done.review.passes());
+    let depart_s = done.plan.vehicles[0].depart_s;
+    assert!((0.0..300.0).contains(&depart_s), "{depart_s}");
+}
+
+#[test]
+fn each_vehicle_of_a_fleet_has_the_zones_of_its_own_time() {
+    let mut spec = closed((0.0, 1.0), false);
+    let (middle_s, ends_s) = passes_at_s(&spec);
+    let free = cost_without(&spec);
+    let mut later = spec.vehicles[0].clone();
+    later.id = "bravo".to_owned();
+    later.sysid = 2;
+    later.depart_s = ends_s;
+    later.retiming = Retiming::default();
+    spec.vehicles.push(later);
+    let spec = with_times(&spec, (middle_s + 0.3 * ends_s, 9000.0));
+    let done = dispatched(&spec);
+    assert!(done.review.passes());
+    let [alpha, bravo] = [0, 1].map(|index| done.plan.vehicles[index].terms.total());
+    assert!(alpha < 1.001 * free, "{alpha} {free}");
+    assert!(bravo > 1.01 * free, "{bravo} {free}");
 }

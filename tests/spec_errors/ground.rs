@@ -106,3 +106,103 @@ fn a_value_a_hair_beside_its_limit_does_not_read_like_it() {
     let found = over_ground(&text);
     assert!(found[0].found.contains("is 59.99 m above"), "{found:?}");
 }
+
+/// Everything that is wrong with a spec, over the ground as well.
+fn everything(text: &str) -> Vec<Issue> {
+    let mission = sortie::Mission::parse("", text);
+    mission.expect_err("something is wrong").issues
+}
+
+fn has(issues: &[Issue], path: &str, part: &str) {
+    let is_it = |issue: &&Issue| issue.path == path && issue.found.contains(part);
+    assert!(
+        issues.iter().any(|issue| is_it(&issue)),
+        "{path} {part}: {issues:#?}"
+    );
+}
+
+#[test]
+fn a_wrong_key_and_a_wrong_value_hide_nothing_that_the_ground_shows() {
+    // In the same vehicle: a start inside a threat, a value out of range, and a goal above the ceiling.
+    let text = FULL
+        .replace("kind: radar,", "colour: red,")
+        .replace("    speed_mps: 15\n", "    speed_mps: 1500\n")
+        .replace(
+            "start: {lat: 36.21, lon: -84.38",
+            "start: {lat: 36.31, lon: -84.26",
+        )
+        .replace("amsl_m: 700", "amsl_m: 1501")
+        .replace("lon: -84.39, agl_m: 80}", "lon: -84.39, agl_m: 59}");
+    let found = everything(&text);
+    has(&found, "threats[0].colour", "unknown field");
+    has(&found, "vehicles[0].speed_mps", "1500");
+    has(&found, "vehicles[0].start", "inside threat `radar-1`");
+    has(&found, "vehicles[0].goal", "1501.0 m");
+    has(&found, "vehicles[1].start", "59.0 m above ground");
+    assert_eq!(found.len(), 5, "{found:#?}");
+    assert!(found.is_sorted_by_key(|issue| issue.position), "{found:#?}");
+}
+
+#[test]
+fn sites_of_a_vehicle_are_judged_whatever_its_other_keys_are() {
+    for (old, new, path) in [
+        (
+            "    speed_mps: 12\n",
+            "    speed_mps: fast\n",
+            "vehicles[1].speed_mps",
+        ),
+        (
+            "    finish: return\n",
+            "    finish: crash\n",
+            "vehicles[1].finish",
+        ),
+        ("    autopilot: px4\n", "", "vehicles[1]"),
+        ("sysid: 2\n", "sysid: two\n", "vehicles[1].sysid"),
+        (
+            "    link: tcp:127.0.0.1:5760\n",
+            "    link: wire\n",
+            "vehicles[1].link",
+        ),
+    ] {
+        let text = with(old, new).replace("lon: -84.39, agl_m: 80}", "lon: -84.39, agl_m: 59}");
+        let found = everything(&text);
+        has(&found, path, "");
+        has(&found, "vehicles[1].start", "59.0 m above ground");
+        assert_eq!(found.len(), 2, "{found:#?}");
+    }
+}
+
+#[test]
+fn what_the_ground_would_show_of_a_broken_value_is_not_reported() {
+    let low = FULL.replace("lon: -84.39, agl_m: 80}", "lon: -84.39, agl_m: 59}");
+    for (old, new) in [
+        ("min_agl_m: 60", "min_agl_m: sixty"),
+        ("min_agl_m: 60", "min_agl_m: -60"),
+        ("base_amsl_m: 300", "base_amsl_m: low"),
+        ("lon: -84.39, agl_m: 59}", "lon: -84.39, agl_m: low}"),
+        ("lon: -84.39, agl_m: 59}", "lon: -84.39}"),
+    ] {
+        let found = everything(&low.replace(old, new));
+        assert_eq!(found.len(), 1, "{new}: {found:#?}");
+    }
+    // A list that is broken moves no path: the second stop is the second.
+    let stops = "stops: [{id: a, lat: 36.2, lon: x, agl_m: 80}, {id: b, lat: 36.3, lon: -84.15, agl_m: 20}]";
+    let text = FULL.replace("sortie: 1", "sortie: 2").replace(
+        "    max_airspeed_mps: 20\n",
+        &format!("    max_airspeed_mps: 20\n    {stops}\n"),
+    );
+    let found = everything(&text);
+    has(&found, "vehicles[1].stops[1]", "20.0 m above ground");
+}
+
+#[test]
+fn a_terrain_that_is_missing_is_reported_beside_a_wrong_value() {
+    let text = with("from_deg: 270", "from_deg: 400").replace(
+        "  analytic:\n    base_amsl_m: 300\n    hills:\n      - {lat: 36.30, lon: -84.25, height_m: 200, radius_m: 2000}\n",
+        "  file: none.tif\n",
+    );
+    let found = everything(&text);
+    has(&found, "terrain.file", "");
+    has(&found, "wind.from_deg", "400");
+    assert_eq!(found.len(), 2, "{found:#?}");
+}

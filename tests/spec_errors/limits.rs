@@ -113,3 +113,32 @@ fn fence_points_hold_at_least_the_area() {
         ("3", "4 to 5000")
     );
 }
+
+#[test]
+fn a_battery_that_never_runs_down_and_a_speed_that_no_copter_flies_are_errors() {
+    let spec = FULL.replace("sortie: 1", "sortie: 2");
+    let with = |key: &str| {
+        let at = "    max_airspeed_mps: 20\n";
+        spec.replace(at, &format!("    {key}\n"))
+    };
+    for (key, path) in [
+        (
+            "endurance: {energy: {wh: 100, hover_w: 0}}",
+            "vehicles[1].endurance.energy",
+        ),
+        (
+            "endurance: {energy: {wh: 100, hover_w: 200, cruise: [[15, 0]]}}",
+            "vehicles[1].endurance.energy",
+        ),
+        (
+            "stops: [{id: a, lat: 36.3, lon: -84.15, agl_m: 80, speed_mps: 80}]",
+            "vehicles[1].stops[0].speed_mps",
+        ),
+    ] {
+        let found = issues(&with(key));
+        assert!(
+            found.iter().any(|issue| issue.path == path),
+            "{key}: {found:#?}"
+        );
+    }
+}

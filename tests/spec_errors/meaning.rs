@@ -477,3 +477,82 @@ fn an_autopilot_version_is_one_whose_rules_are_known() {
         "{text}"
     );
 }
+
+#[test]
+fn a_place_with_latitude_and_longitude_exchanged_is_named_as_it_was_written_and_recognised() {
+    // An area in which both orders are places on earth.
+    let text = "\
+sortie: 2
+name: swapped
+area: {south_west: {lat: 46.90, lon: 7.30}, north_east: {lat: 47.00, lon: 7.50}, min_agl_m: 30, max_amsl_m: 900}
+terrain: {flat: {amsl_m: 500}}
+zones: [{id: z, polygon: [[46.94, 7.38], [46.95, 7.38], [46.95, 7.40]], holes: []}]
+vehicles:
+  - {id: a, sysid: 1, autopilot: ardupilot, link: sim, start: {lat: 46.91, lon: 7.32, agl_m: 60},
+     goal: {lat: 46.98, lon: 7.46, agl_m: 60}, finish: land, speed_mps: 8,
+     stops: [{id: s, lat: 46.93, lon: 7.36, agl_m: 60, actions: [{roi: {lat: 46.93, lon: 7.37, agl_m: 0}}]}]}
+tasks: [{id: t, survey: {polygon: [[46.96, 7.40], [46.962, 7.40], [46.962, 7.403]], swath_m: 50, agl_m: 60}}]
+";
+    good(text);
+    for (old, new, path) in [
+        ("[46.94, 7.38]", "[7.38, 46.94]", "zones[0].polygon[0]"),
+        (
+            "holes: []",
+            "holes: [[[7.38, 46.94], [7.38, 46.95], [7.40, 46.95]]]",
+            "zones[0].holes[0][0]",
+        ),
+        (
+            "start: {lat: 46.91, lon: 7.32",
+            "start: {lat: 7.32, lon: 46.91",
+            "vehicles[0].start",
+        ),
+        (
+            "lat: 46.93, lon: 7.36",
+            "lat: 7.36, lon: 46.93",
+            "vehicles[0].stops[0]",
+        ),
+        (
+            "roi: {lat: 46.93, lon: 7.37",
+            "roi: {lat: 7.37, lon: 46.93",
+            "vehicles[0].stops[0].actions[0].roi",
+        ),
+        (
+            "[46.962, 7.40]",
+            "[7.40, 46.962]",
+            "tasks[0].survey.polygon[1]",
+        ),
+    ] {
+        assert!(text.contains(old), "{old}");
+        let found = issues(&text.replacen(old, new, 1));
+        assert_eq!(found[0].path, path, "{found:#?}");
+        assert!(
+            found
+                .iter()
+                .all(|issue| issue.allowed.contains("exchanged?")),
+            "{found:#?}"
+        );
+        let written: Vec<&str> = new.split(|c: char| !"0123456789.".contains(c)).collect();
+        let first = written
+            .iter()
+            .find(|part| part.len() > 3)
+            .expect("a number");
+        assert!(
+            found[0].found.contains(first.trim_end_matches('0')),
+            "{found:#?}"
+        );
+    }
+}
+
+#[test]
+fn the_edges_of_a_large_polygon_that_crosses_itself_are_named_by_its_corners() {
+    // Its edges of 40 km are drawn in pieces.
+    let (path, text) = only(
+        "[[36.35, -84.20], [36.36, -84.20], [36.36, -84.18]], below_amsl_m: 900",
+        "[[36.0, -84.6], [36.4, -84.0], [36.4, -84.6], [36.0, -84.0]], below_amsl_m: 900",
+    );
+    assert_eq!(path, "no_fly[0].polygon[2]");
+    assert!(
+        text.contains("the edge from corner 2 to 3 meets the edge from corner 0 to 1"),
+        "{text}"
+    );
+}

@@ -301,8 +301,15 @@ proptest! {
             let end = (at + piece.len()).min(text.len());
             text.replace_range(at..end, &piece);
         }
-        if let Err(error) = parse(&text) {
+        if let Err(error) = sortie::Mission::parse("", text) {
             prop_assert!(!error.issues.is_empty());
         }
     }
+}
+
+#[test]
+fn a_corner_with_three_numbers_is_one_problem() {
+    let (path, text) = only("[36.36, -84.20]", "[36.36, -84.20, 500]");
+    assert_eq!(path, "no_fly[0].polygon[1]");
+    assert!(text.contains("length 3"), "{text}");
 }

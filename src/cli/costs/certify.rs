@@ -18,7 +18,7 @@ use crate::spec::{EndPoint, MissionSpec, Order, Placement, SpecFile, Stop, Vehic
 use crate::world::{self, World};
 
 pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
-    let file = SpecFile::read(&arguments.spec)?;
+    let file = SpecFile::read_known(&arguments.spec).map_err(world::with_ground)?;
     let world = world::load(&file)?;
     let chosen = chosen(arguments, &file.spec)?;
     let hash = folder::sha256(&file.text);

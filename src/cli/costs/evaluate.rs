@@ -23,7 +23,7 @@ const CHUNK: usize = 1 << 20;
 const ROWS: usize = 64;
 
 pub(in crate::cli) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
-    let (spec, world) = match Document::read(&arguments.spec)? {
+    let (spec, world) = match Document::read_known(&arguments.spec).map_err(world::with_ground)? {
         Document::Mission(file) => {
             let world = world::load(&file)?;
             (file.spec, world)

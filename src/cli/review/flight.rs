@@ -48,7 +48,7 @@ pub(crate) fn run(
         let message = format!("{}: flown by which spec? Name it (*.yaml)", path.display());
         Failure::new(Failure::USAGE, message)
     })?;
-    let file = SpecFile::read(&spec)?;
+    let file = SpecFile::read_known(&spec).map_err(world::with_ground)?;
     let world = world::load(&file)?;
     let missions: Vec<PathBuf> = if missions.is_empty() {
         folder.map_or_else(Vec::new, |folder| planned(&folder, &file))

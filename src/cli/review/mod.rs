@@ -82,7 +82,7 @@ fn with_spec(
         let message = "limits come from the spec: leave the flags or the spec out";
         return Err(Failure::new(Failure::USAGE, message));
     }
-    let file = SpecFile::read(spec)?;
+    let file = SpecFile::read_known(spec).map_err(world::with_ground)?;
     let world = world::load(&file)?;
     let missions = missions(&file, &world, files, named)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();

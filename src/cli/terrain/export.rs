@@ -12,7 +12,7 @@ use crate::spec::SpecFile;
 use crate::world;
 
 pub(crate) fn run(arguments: &args::TerrainExport) -> Result<(), Failure> {
-    let file = SpecFile::read(&arguments.spec)?;
+    let file = SpecFile::read_known(&arguments.spec).map_err(world::with_ground)?;
     let world = world::load(&file)?;
     let default = || PathBuf::from("out").join(format!("{}.terrain", file.spec.name));
     let target = arguments.out.clone().unwrap_or_else(default);

@@ -81,7 +81,7 @@ fn from_files(
     spec: &Path,
     arguments: &args::Upload,
 ) -> Result<(SpecFile, missions::Files, PathBuf), Failure> {
-    let file = SpecFile::read(spec)?;
+    let file = SpecFile::read_known(spec).map_err(world::with_ground)?;
     let files = missions::assign(&file, arguments.paths.iter(), &[])?;
     if !arguments.force {
         refuse_rejected(files.values())?;

@@ -94,6 +94,7 @@ impl ItemWriter<'_> {
                 (list.at, list.course_rad, list.leaves_circle) = (point.at, None, true);
             }
             if index == self.vehicle.stops.len() {
+                list.items.extend(self.at_goal()?);
                 list.items.extend(self.trigger_off());
             }
         }
@@ -178,6 +179,14 @@ impl ItemWriter<'_> {
         items.extend(actions);
         items.push(self.circle(stop.rest_s() - FIRST_REST_S, point, true)?);
         Ok(items)
+    }
+
+    /// What is done at the goal: where the route to it ends, before the landing or the circle there.
+    fn at_goal(&self) -> Result<Vec<Item>, NoData> {
+        match self.vehicle.goal_stop() {
+            Some(stop) => self.actions(&stop),
+            None => Ok(Vec::new()),
+        }
     }
 
     /// Circles clockwise for a time, and until the vehicle heads for the next place.

@@ -112,6 +112,18 @@ impl<'a> Planning<'a> {
         }
     }
 
+    /// The same for one vehicle: among the zones that it has to keep out of.
+    pub(super) fn of(&self, index: usize) -> Self {
+        match self.world.own.get(index).and_then(Option::as_deref) {
+            Some(own) => Self {
+                spec: &own.spec,
+                world: &own.world,
+                ..*self
+            },
+            None => *self,
+        }
+    }
+
     /// The context of a route of one vehicle among `earlier` flights.
     fn route_context<'c>(
         &'c self,
@@ -201,7 +213,10 @@ pub fn plan_each_alone(spec: &MissionSpec, world: &World, request: &Request<'_>)
     with_bounds(spec, world, || FleetPlan {
         seed: request.seed,
         vehicles: fleet
-            .map(|index| planning.plan_vehicle(index, Vec::new(), EarlierFlights::none(), None))
+            .map(|index| {
+                let planning = planning.of(index);
+                planning.plan_vehicle(index, Vec::new(), EarlierFlights::none(), None)
+            })
             .collect(),
     })
 }

@@ -218,7 +218,7 @@ impl<'a> Fleet<'a> {
     fn planning_of(&self, index: usize) -> Planning<'_> {
         Planning {
             classes: self.classes.get(index),
-            ..self.planning
+            ..self.planning.of(index)
         }
     }
 
@@ -274,7 +274,7 @@ impl<'a> Fleet<'a> {
             return None;
         }
         let earlier = self.flights_of(avoids);
-        self.planning.lift_vehicle(index, old, &earlier)
+        self.planning.of(index).lift_vehicle(index, old, &earlier)
     }
 
     fn flights_of(&self, vehicles: &[usize]) -> EarlierFlights {

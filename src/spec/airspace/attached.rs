@@ -28,6 +28,8 @@ pub struct Survey {
     pub zones: Vec<String>,
     /// Shapes that no vehicle can reach: beside the area, or above its ceiling.
     pub out_of_reach: usize,
+    /// Those of them that would be in the area if latitude and longitude were exchanged.
+    pub exchanged: usize,
     /// Shapes of a class that `only` does not name, or that `skip` names.
     pub left_out: usize,
     /// Shapes that forbid nothing.

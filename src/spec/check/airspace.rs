@@ -6,7 +6,7 @@ use super::super::airspace::{AttachedFile, Survey};
 use super::super::keys;
 use super::super::{Placement, Zone};
 use super::Checker;
-use super::map::Map;
+use super::map::{Map, exchanged};
 use super::zones::References;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame, flight_level};
 use crate::numeric::text::is_hidden;
@@ -82,6 +82,7 @@ impl Checker {
                 continue;
             }
             let zone = zone(&shape, references, map);
+            let is_exchanged = || usize::from(is_exchanged(&shape.geometry, map));
             match zone.and_then(|zone| self.simple(zone, map)) {
                 Ok(mut zone) => {
                     zone.id = free_id(&shape.name, map);
@@ -90,7 +91,10 @@ impl Checker {
                     survey.zones.push(zone.id.clone());
                     map.no_fly.push(zone);
                 }
-                Err(Dropped::OutOfReach) => survey.out_of_reach += 1,
+                Err(Dropped::OutOfReach) => {
+                    survey.out_of_reach += 1;
+                    survey.exchanged += is_exchanged();
+                }
                 Err(Dropped::WithoutArea) => survey.without_area += 1,
                 Err(Dropped::Refused(why)) => refused.push((shape.name, why)),
             }
@@ -148,6 +152,7 @@ impl Checker {
             let polygon = LocalFrame::new(at).circumscribed(radius_m);
             if is_far(&polygon, map) {
                 survey.out_of_reach += 1;
+                survey.exchanged += usize::from(is_exchanged(&Geometry::Point(at), map));
                 continue;
             }
             let zone = Zone {
@@ -249,6 +254,23 @@ fn placed(
             Some(Placement::Amsl(flight_level(level, widest(qnh))))
         }
     })
+}
+
+/// Whether a shape would be in the area with its latitudes and longitudes exchanged.
+fn is_exchanged(geometry: &Geometry, map: &Map) -> bool {
+    let (low, high) = (map.area.south_west, map.area.north_east);
+    let is_inside = |place: &LatLon| {
+        exchanged(*place).is_some_and(|at| {
+            (low.lat_deg..=high.lat_deg).contains(&at.lat_deg)
+                && (low.lon_deg..=high.lon_deg).contains(&at.lon_deg)
+        })
+    };
+    match geometry {
+        Geometry::Polygon { outer, .. } => outer.iter().any(is_inside),
+        Geometry::Circle { center, .. } => is_inside(center),
+        Geometry::Point(at) => is_inside(at),
+        Geometry::Line(_) => false,
+    }
 }
 
 /// Whether the box of a zone lies beside the area.

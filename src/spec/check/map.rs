@@ -5,7 +5,8 @@ use geo::{Contains, Intersects, Point, Polygon};
 use super::super::airspace::{AttachedFile, Survey, dome_layers};
 use super::super::keys;
 use super::super::{
-    AltitudeLimits, Area, BufferedLimit, Buffers, Placement, Rally, TerrainSource, Threat, Zone,
+    AltitudeLimits, Area, BufferedLimit, Buffers, KnownPlace, PlaceKind, Placement, Rally,
+    TerrainSource, Threat, Zone,
 };
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, LocalFrame};
@@ -58,6 +59,7 @@ impl Checker {
         self.altitude_layer("area", area.altitudes, &area, &buffers);
         let frame = LocalFrame::new(origin.unwrap_or_else(|| Some(middle(&area)))?);
         self.near(keys, &area, frame.origin())?;
+        self.origin = Some(frame.origin());
         let mut no_fly = self.zones(keys, &frame, corners);
         no_fly.extend(self.shaped_zones(keys, &frame, (&area, references)));
         no_fly.extend(domes);
@@ -81,6 +83,10 @@ impl Checker {
             self.rally_height(&format!("rally[{index}].agl_m"), point.agl_m, &map);
             self.clear(&format!("rally[{index}]"), "the rally point", place, &map);
             let agl = Agl(point.agl_m);
+            self.sites.push(KnownPlace {
+                path: format!("rally[{index}]"),
+                kind: PlaceKind::Rally(place, point.agl_m),
+            });
             map.rally.push(Rally { place, agl });
         }
         Some(map)
@@ -144,7 +150,7 @@ impl Checker {
         for (index, (zone, corners)) in keys.no_fly.iter().zip(corners).enumerate() {
             let path = format!("no_fly[{index}].polygon");
             let Some(polygon) = corners else { continue };
-            if self.polygon(&path, frame, &polygon) {
+            if are_near(&polygon, frame.origin()) && self.polygon(&path, frame, &polygon) {
                 let ceiling = zone
                     .below_amsl_m
                     .map(|amsl_m| Placement::Amsl(Amsl(amsl_m)));
@@ -221,20 +227,40 @@ impl Checker {
             let corners = zone.polygon.iter().flatten().enumerate();
             let corners =
                 corners.map(move |(j, at)| (format!("zones[{i}].polygon[{j}]"), at[0], at[1]));
-            center.into_iter().chain(corners)
+            let holes = zone.holes.iter().enumerate().flat_map(move |(j, hole)| {
+                let corners = hole.iter().enumerate();
+                corners.map(move |(k, at)| (format!("zones[{i}].holes[{j}][{k}]"), at[0], at[1]))
+            });
+            center.into_iter().chain(corners).chain(holes)
         });
         for (path, lat_deg, lon_deg) in threats.chain(zones).chain(shaped) {
-            let Ok(place) = LatLon::new(lat_deg, lon_deg) else {
-                continue;
-            };
-            let away_m = place.chord_m(origin);
-            if away_m > MAX_AWAY_M {
-                let allowed = format!("at most {:.0} km; latitude comes first", MAX_AWAY_M / 1e3);
-                let away_km = digits::distinct_from(away_m / 1e3, MAX_AWAY_M / 1e3, 0);
-                self.report(&path, format!("{away_km} km from the origin"), allowed);
+            if let Ok(place) = LatLon::new(lat_deg, lon_deg) {
+                self.is_near(&path, place, origin);
             }
         }
         Some(())
+    }
+
+    /// Whether a place is within reach of the origin; reported if not.
+    pub(super) fn is_near(&mut self, path: &str, place: LatLon, origin: LatLon) -> bool {
+        let away_m = place.chord_m(origin);
+        if away_m <= MAX_AWAY_M {
+            return true;
+        }
+        let away_km = digits::distinct_from(away_m / 1e3, MAX_AWAY_M / 1e3, 0);
+        let found = format!(
+            "{}, {} is {away_km} km from the origin",
+            place.lat_deg, place.lon_deg
+        );
+        let is_near = |place: LatLon| place.chord_m(origin) <= MAX_AWAY_M;
+        let hint = match exchanged(place).is_some_and(is_near) {
+            true => ": are latitude and longitude exchanged?",
+            false => "",
+        };
+        let most_km = MAX_AWAY_M / 1e3;
+        let allowed = format!("at most {most_km:.0} km; latitude comes first{hint}");
+        self.report(path, found, allowed);
+        false
     }
 
     /// Reports a place outside of the area, in a threat, or in a zone closed at every height.
@@ -259,6 +285,11 @@ impl Checker {
                     "is on the edge of the area",
                     format!("{allowed}, without the edges"),
                 )
+            } else if exchanged(place).is_some_and(|place| {
+                across.contains(&place.lon_deg) && along.contains(&place.lat_deg)
+            }) {
+                let allowed = format!("{allowed}: are latitude and longitude exchanged?");
+                ("is outside of the area", allowed)
             } else {
                 ("is outside of the area", allowed)
             };
@@ -327,6 +358,18 @@ struct Of<'a> {
     path: &'a str,
     what: &'a str,
     plan: EastNorth,
+}
+
+/// A place with its latitude as longitude and the other way round.
+pub(super) fn exchanged(place: LatLon) -> Option<LatLon> {
+    LatLon::new(place.lon_deg, place.lat_deg).ok()
+}
+
+/// Whether all corners are so near to the origin that their polygon means something; those that are
+/// not are reported one by one.
+pub(super) fn are_near(corners: &[LatLon], origin: LatLon) -> bool {
+    let mut corners = corners.iter();
+    corners.all(|corner| corner.chord_m(origin) <= MAX_AWAY_M)
 }
 
 fn middle(area: &Area) -> LatLon {

@@ -26,39 +26,50 @@ use super::positions::Positions;
 use super::table::Table;
 use super::value_sources::{ValueSources, in_order};
 use super::{
-    Action, Algorithm, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Vehicle,
-    Wind,
+    Action, Algorithm, Issue, KnownPlace, MissionOptions, MissionSpec, Objective, OnLinkLoss,
+    Planner, Vehicle, Wind,
 };
 use crate::geodesy::LatLon;
 
 /// Checks a whole spec and its table.
-///
-/// # Errors
-/// Every problem, in file order.
 pub(super) fn check(
     mut keys: keys::Spec,
     positions: Positions,
     table: Table,
     attached: &[AttachedFile],
-) -> Result<(Checked, ValueSources), Vec<Issue>> {
+) -> Checked {
     let mut checker = Checker {
         sources: ValueSources::new(positions, keys.vehicles.len()),
         version: keys.sortie,
         issues: Vec::new(),
+        vehicles: Vec::new(),
+        sites: Vec::new(),
+        origin: None,
     };
     checker.ranges([(String::new(), &keys)]);
     checker.add_fleet(&mut keys, table);
     let spec = checker.spec(&keys, attached);
-    match spec {
-        Some(spec) if checker.issues.is_empty() => Ok((spec, checker.sources)),
-        _ => Err(in_order(checker.issues)),
+    Checked {
+        spec,
+        sources: checker.sources,
+        issues: in_order(checker.issues),
+        vehicles: checker.vehicles,
+        sites: checker.sites,
     }
 }
 
-/// A checked spec, with the summaries of its airspace files.
+/// What the check of a spec found.
 pub(super) struct Checked {
-    pub(super) spec: MissionSpec,
-    pub(super) surveys: Vec<Survey>,
+    /// The spec, with the summaries of its airspace files: what is broken is left out of it, and then
+    /// there is an issue. None without an area and a terrain.
+    pub(super) spec: Option<(MissionSpec, Vec<Survey>)>,
+    pub(super) sources: ValueSources,
+    /// Every problem, in file order.
+    pub(super) issues: Vec<Issue>,
+    /// Where each vehicle of the spec stands in the file.
+    pub(super) vehicles: Vec<String>,
+    /// The places of all vehicles and tasks, and the rally points, as far as they are good.
+    pub(super) sites: Vec<KnownPlace>,
 }
 
 /// Collects problems. A check returns `None` after reporting a problem that leaves no value.
@@ -67,6 +78,12 @@ struct Checker {
     /// Of the format of the spec.
     version: u32,
     issues: Vec<Issue>,
+    /// Where each vehicle that is left stands in the file.
+    vehicles: Vec<String>,
+    /// Places whose keys are good.
+    sites: Vec<KnownPlace>,
+    /// Of the map, once it is known.
+    origin: Option<LatLon>,
 }
 
 impl Checker {
@@ -92,7 +109,11 @@ impl Checker {
         LatLon::new(lat_deg?, lon_deg?).ok()
     }
 
-    fn spec(&mut self, keys: &keys::Spec, attached: &[AttachedFile]) -> Option<Checked> {
+    fn spec(
+        &mut self,
+        keys: &keys::Spec,
+        attached: &[AttachedFile],
+    ) -> Option<(MissionSpec, Vec<Survey>)> {
         self.file_name("name", &keys.name);
         let buffers = self.buffers(keys);
         let map = self.map(keys, buffers, attached);
@@ -130,7 +151,7 @@ impl Checker {
             on_link_loss: keys.on_link_loss,
             on_alarm: keys.on_alarm,
         };
-        Some(Checked { spec, surveys })
+        Some((spec, surveys))
     }
 
     /// `on_alarm`: no conflict with `on_link_loss`, and `return_amsl_m` where it orders a return.

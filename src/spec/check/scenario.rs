@@ -19,6 +19,9 @@ pub(in crate::spec) fn scenario(
         sources: ValueSources::new(positions, 0),
         version: 1,
         issues: Vec::new(),
+        vehicles: Vec::new(),
+        sites: Vec::new(),
+        origin: None,
     };
     checker.ranges([(String::new(), keys)]);
     let scenario = checker.scenario(keys);

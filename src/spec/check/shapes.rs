@@ -32,6 +32,18 @@ pub(in crate::spec) fn relative(name: &str) -> Option<PathBuf> {
     (inside && !path.as_os_str().is_empty()).then_some(path)
 }
 
+/// The corner at which each edge of an outline begins, as a polygon was written: long edges are drawn in
+/// pieces.
+fn written(corners: &[LatLon]) -> Vec<usize> {
+    let next = corners.iter().cycle().skip(1);
+    let edges = corners.iter().zip(next).enumerate();
+    let pieces = edges.flat_map(|(corner, (from, to))| {
+        let pieces = LocalFrame::pieces(*from, *to);
+        (0..pieces).map(move |_| corner)
+    });
+    pieces.collect()
+}
+
 impl Checker {
     pub(super) fn terrain(&mut self, keys: &keys::Terrain) -> Option<TerrainSource> {
         match (&keys.file, &keys.folder, &keys.flat, &keys.analytic) {
@@ -115,11 +127,12 @@ impl Checker {
             for (part, degrees, most) in [(0, lat_deg, 90.0), (1, lon_deg, 180.0)] {
                 if !(-most..=most).contains(degrees) {
                     let found = digits::plain(*degrees);
-                    self.report(
-                        &format!("{path}[{part}]"),
-                        found,
-                        format!("-{most} to {most}"),
-                    );
+                    let first = match part {
+                        0 if (-180.0..=180.0).contains(degrees) => "; latitude comes first",
+                        _ => "",
+                    };
+                    let allowed = format!("-{most} to {most}{first}");
+                    self.report(&format!("{path}[{part}]"), found, allowed);
                 }
             }
             corners.push(LatLon::new(*lat_deg, *lon_deg).ok());
@@ -151,6 +164,7 @@ impl Checker {
             return false;
         }
         let edges: Vec<Line<f64>> = outline.exterior().lines().collect();
+        let written = written(corners);
         // That of a strip of the same area and perimeter.
         let lengths_m = edges.iter().map(|edge| edge.dx().hypot(edge.dy()));
         let width_m = 2.0 * outline.unsigned_area() / lengths_m.sum::<f64>();
@@ -165,7 +179,8 @@ impl Checker {
         for (first, edge) in edges.iter().enumerate() {
             if edge.start == edge.end {
                 let found = "this corner twice in a row";
-                self.report(&format!("{path}[{first}]"), found, "corners that differ");
+                let path = format!("{path}[{}]", written[first]);
+                self.report(&path, found, "corners that differ");
                 return false;
             }
             for (second, other) in edges.iter().enumerate().skip(first + 1) {
@@ -176,7 +191,8 @@ impl Checker {
                     Some(LineIntersection::SinglePoint { .. }) => !neighbours,
                 };
                 if crossed {
-                    let end = |edge: usize| (edge + 1) % edges.len();
+                    let (first, second) = (written[first], written[second]);
+                    let end = |corner: usize| (corner + 1) % corners.len();
                     let found = format!(
                         "the edge from corner {second} to {} meets the edge from corner {first} to {}",
                         end(second),

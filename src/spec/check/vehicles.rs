@@ -12,13 +12,13 @@ use nalgebra::Vector3;
 
 use super::super::keys;
 use super::super::{
-    AltitudeReference, BufferedLimit, EndPoint, Link, Placement, Separation, Stop, Vehicle, Wind,
-    turn_radius_by_load_m,
+    AltitudeLimits, AltitudeReference, BufferedLimit, EndPoint, Finish, KnownPlace, Link,
+    PlaceKind, Placement, Separation, Stop, Vehicle, Wind, turn_radius_by_load_m,
 };
 use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
-use crate::autopilot::{Autopilot, MAX_LEAN_DEG, Version, facts, frame};
+use crate::autopilot::{Airframe, Autopilot, MAX_LEAN_DEG, Version, facts, frame};
 use crate::geodesy::{Agl, Amsl, LatLon};
 use crate::numeric::digits;
 
@@ -64,7 +64,42 @@ fn least_apart_m(keys: &keys::Vehicle) -> f64 {
     MIN_START_TO_GOAL_M.max((TURNS_APART * circle_m).ceil())
 }
 
+/// The limits of altitude that a vehicle has, whatever else is wrong with it.
+fn limits_of(keys: &keys::Vehicle, map: &Map) -> AltitudeLimits {
+    let own = AltitudeLimits {
+        max_agl: keys.max_agl_m.map(Agl),
+        min_amsl: keys.min_amsl_m.map(Amsl),
+    };
+    own.tighter(map.area.altitudes)
+}
+
+/// Whether a goal may be below the least height above ground: where it is not known, it may.
+fn may_drop(keys: &keys::Vehicle) -> bool {
+    let lands = keys.finish.is_none_or(|finish| finish == Finish::Land);
+    keys.airframe != Some(Airframe::Plane) && lands
+}
+
 impl Checker {
+    /// Remembers a point of a plan, for the ground to judge.
+    fn known_point(
+        &mut self,
+        (path, what): (&str, &'static str),
+        end: Option<EndPoint>,
+        altitudes: AltitudeLimits,
+        can_drop: bool,
+    ) {
+        let Some(end) = end else { return };
+        self.sites.push(KnownPlace {
+            path: path.to_owned(),
+            kind: PlaceKind::Airborne {
+                what,
+                end,
+                altitudes,
+                can_drop,
+            },
+        });
+    }
+
     /// Checks the fleet; vehicles that are broken are left out, and then there is an issue.
     pub(super) fn vehicles(
         &mut self,
@@ -84,13 +119,18 @@ impl Checker {
             let path = format!("vehicles[{index}]");
             if let Some(checked) = self.vehicle(&path, vehicle, map, wind) {
                 self.flyable(&path, &checked, keys.sortie);
+                if checked.stops.len() == vehicle.stops.len() {
+                    self.flyable_from_stops(&path, &checked, keys.sortie);
+                }
                 vehicles.push((path, checked));
             }
         }
         self.wind_was_flown(&vehicles);
         let buffer_m = map.map_or(0.0, |map| map.buffers.separation_m);
         self.pads(&vehicles, keys.separation, buffer_m);
-        vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()
+        let (paths, vehicles) = vehicles.into_iter().unzip();
+        self.vehicles = paths;
+        vehicles
     }
 
     /// Some autopilots have no terrain altitudes in missions.
@@ -278,6 +318,21 @@ impl Checker {
         self.report(&format!("{path}.{key}"), found, allowed);
     }
 
+    /// The speeds from stops on, as [`Self::flyable`].
+    fn flyable_from_stops(&mut self, path: &str, vehicle: &Vehicle, version: u32) {
+        let most_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
+        let Some(most_mps) = most_mps.filter(|_| version == 2) else {
+            return;
+        };
+        for (index, stop) in vehicle.stops.iter().enumerate() {
+            if let Some(speed_mps) = stop.speed_mps.filter(|mps| *mps > most_mps) {
+                let path = format!("{path}.stops[{index}].speed_mps");
+                let allowed = format!("at most {most_mps:.1} m/s, as speed_mps of the vehicle");
+                self.report(&path, format!("{speed_mps} m/s"), allowed);
+            }
+        }
+    }
+
     /// A version whose rules are known.
     fn version(&mut self, path: &str, text: Option<&str>, autopilot: Autopilot) -> Option<Version> {
         let text = text?;
@@ -318,6 +373,7 @@ impl Checker {
             goal.and_then(|end| self.end_point(&at("goal"), end.point()))
         };
         let own_home = keys.home.and_then(|home| self.place(&at("home"), home));
+        let goal_point = goal;
         let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));
         if keys.stops.is_empty() {
             self.start_to_goal(&at("goal"), from, to);
@@ -328,6 +384,16 @@ impl Checker {
                 if let Some(place) = place {
                     self.clear(&at(key), key, place, map);
                 }
+            }
+            let altitudes = limits_of(keys, map);
+            self.known_point((&at("start"), "start"), start, altitudes, false);
+            let goal = goal_point.filter(|_| !is_round);
+            self.known_point((&at("goal"), "goal"), goal, altitudes, may_drop(keys));
+            if let Some(home) = own_home.or(from.filter(|_| keys.home.is_none())) {
+                self.sites.push(KnownPlace {
+                    path: at("home"),
+                    kind: PlaceKind::Home(home),
+                });
             }
         }
         Ends {

@@ -7,6 +7,7 @@ use super::super::keys;
 use super::super::{Area, Placement, Zone};
 use super::Checker;
 use super::keep_in::outside;
+use super::map::are_near;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame, flight_level};
 use crate::numeric::digits;
 
@@ -132,7 +133,8 @@ impl Checker {
         corners: &[[f64; 2]],
     ) -> Option<Vec<LatLon>> {
         let corners = self.ring_corners(path, corners)?;
-        self.polygon(path, frame, &corners).then_some(corners)
+        let is_good = are_near(&corners, frame.origin()) && self.polygon(path, frame, &corners);
+        is_good.then_some(corners)
     }
 
     /// The holes, all within the polygon and apart from each other.

@@ -14,6 +14,8 @@ use crate::spec::{Issue, keys};
 
 /// How the parser, and the check, name a missing key.
 const MISSING: &str = "missing field `";
+/// What a vehicle has places at: these do not depend on its other keys.
+const SITES: [&str; 4] = ["home", "start", "goal", "stops"];
 /// Most problems of keys and types that are reported.
 const MAX_PROBLEMS: usize = 50;
 /// Most text that is parsed again, bytes.
@@ -29,11 +31,14 @@ pub(in crate::spec) struct KeysRead {
 }
 
 /// What is not known for a problem that is reported already.
+#[derive(Debug)]
 pub(in crate::spec) enum Unknown {
     /// What is at a path, but for keys that are missing there.
     At(String),
     /// What is at a path and below it.
     Within(String),
+    /// What is at a vehicle and below it, but for its places.
+    ButSites(String),
 }
 
 impl From<keys::Spec> for KeysRead {
@@ -103,12 +108,20 @@ pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRea
 pub(in crate::spec) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
     let is_of = |unknown: &Unknown| match unknown {
         Unknown::At(path) => issue.path == *path && !issue.found.starts_with(MISSING),
-        Unknown::Within(path) => {
-            let rest = issue.path.strip_prefix(path.as_str());
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        Unknown::Within(path) => is_of(&issue.path, path),
+        Unknown::ButSites(path) => {
+            let mut sites = SITES.iter();
+            is_of(&issue.path, path)
+                && !sites.any(|site| is_of(&issue.path, &format!("{path}.{site}")))
         }
     };
     issue.table.is_none() && unknown.iter().any(is_of)
+}
+
+/// Whether a path is that of a key, or below it.
+pub(super) fn is_of(path: &str, key: &str) -> bool {
+    let rest = path.strip_prefix(key);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
 /// The problem that ended a parse.
@@ -247,11 +260,21 @@ impl Mended {
             Kind::UnknownKey(_) => self.unknown.push(Unknown::At(parent.to_owned())),
             _ => {
                 self.removed.push((parent.to_owned(), last.to_owned()));
-                self.unknown.push(Unknown::Within(mapping_around(path)));
+                self.unknown
+                    .push(match is_vehicle(parent) && last != "stops" {
+                        true => Unknown::ButSites(parent.to_owned()),
+                        false => Unknown::Within(mapping_around(path)),
+                    });
             }
         }
         Some(())
     }
+}
+
+/// Whether a path is that of a vehicle.
+fn is_vehicle(path: &str) -> bool {
+    let index = path.strip_prefix("vehicles");
+    index.and_then(index_of).is_some()
 }
 
 /// The keys and indices, with their `[`, of a path.
@@ -317,7 +340,11 @@ fn filling(key: &str, schema: &Schema, root: &Schema, depth: usize) -> Value {
     match kind {
         "string" => "".into(),
         "boolean" => false.into(),
-        "array" => Value::Sequence(Vec::new()),
+        "array" => {
+            let least = schema["minItems"].as_u64().unwrap_or(0).min(8);
+            let item = || filling("", resolved(&schema["items"], root), root, depth + 1);
+            Value::Sequence((0..least).map(|_| item()).collect())
+        }
         "object" if depth < 8 => {
             let required = schema["required"].as_array().into_iter().flatten();
             let keys = required.filter_map(Schema::as_str).map(|key| {

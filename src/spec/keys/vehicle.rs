@@ -90,7 +90,7 @@ pub struct Station {
     #[schemars(range(min = -500, max = 20000))]
     pub amsl_m: Option<f64>,
     /// What is done there, one after the other. A copter stays for it, as at a stop; planes and VTOLs
-    /// do it at the start alone.
+    /// do it on their way.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 20))]
     pub actions: Vec<StopAction>,

@@ -49,9 +49,4 @@ impl Check<'_> {
             }
         }
     }
-
-    /// Whether a goal is a drop: so low that the vehicle comes down to it as it lands.
-    pub(super) fn is_drop(&self, vehicle: &crate::spec::Vehicle, agl_m: f64) -> bool {
-        vehicle.can_drop() && (0.0..self.least_agl().limit_m).contains(&agl_m)
-    }
 }

@@ -2,20 +2,15 @@
 
 use super::Check;
 use crate::geodesy::{Agl, Amsl};
-use crate::spec::{AltitudeLimits, Vehicle};
+use crate::spec::AltitudeLimits;
 
 impl Check<'_> {
     /// Every place of a task must be one that some vehicle may fly at.
     pub(super) fn tasks(&mut self) {
         let spec = &self.file.spec;
         let copters = || spec.vehicles.iter().filter(|one| !one.airframe.has_wing());
-        let Some(first) = copters().next() else {
+        let Some(widest) = copters().map(|one| one.altitudes).reduce(wider) else {
             return;
-        };
-        let widest = copters().map(|one| one.altitudes).reduce(wider);
-        let vehicle = Vehicle {
-            altitudes: widest.unwrap_or_default(),
-            ..first.clone()
         };
         for (index, task) in spec.tasks.iter().enumerate() {
             let keys: &[&str] = match task.stops.len() {
@@ -25,7 +20,7 @@ impl Check<'_> {
             };
             for (key, stop) in keys.iter().zip(&task.stops) {
                 let path = format!("tasks[{index}].{key}");
-                self.airborne((&path, "task"), &vehicle, stop.end);
+                self.airborne((&path, "task"), stop.end, (widest, false));
             }
         }
     }

@@ -52,7 +52,8 @@ impl Checker {
         };
         let path = format!("{path}.payload_place");
         match (at.agl_m, max_descent_m) {
-            (Some(agl_m), Some(most_m)) if most_m < agl_m => {
+            // Out of its range it is reported already.
+            (Some(agl_m), Some(most_m)) if (1.0..agl_m).contains(&most_m) => {
                 let found = format!("{most_m} m, and the ground is {agl_m} m below");
                 let allowed = "at least agl_m, or no limit";
                 self.report(&format!("{path}.max_descent_m"), found, allowed);
@@ -111,7 +112,11 @@ impl Checker {
     }
 
     fn roi(&mut self, path: &str, keys: keys::EndPoint) -> Option<StopAction> {
-        let end: EndPoint = self.end_point(&format!("{path}.roi"), keys)?;
+        let path = format!("{path}.roi");
+        let end: EndPoint = self.end_point(&path, keys)?;
+        if let Some(origin) = self.origin {
+            self.is_near(&path, end.place, origin);
+        }
         Some(StopAction::Roi(end))
     }
 

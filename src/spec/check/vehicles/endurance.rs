@@ -75,6 +75,11 @@ impl Checker {
             }
             level.push((speed_mps, power_w));
         }
+        let powers = keys.cruise.iter().map(|pair| pair[1]).chain(keys.hover_w);
+        if powers.clone().any(|power_w| power_w == 0.0) && self.issues.len() == before {
+            let allowed = "more than 0 W at every speed: without a use of energy it flies for ever";
+            self.report(path, "a power of 0 W", allowed);
+        }
         if self.issues.len() > before {
             return None;
         }

@@ -54,6 +54,8 @@ impl Checker {
         let end = self.end_point(path, point);
         if let (Some(map), Some(end)) = (map, end) {
             self.clear(path, "stop", end.place, map);
+            let altitudes = super::limits_of(vehicle, map);
+            self.known_point((path, "stop"), Some(end), altitudes, false);
         }
         self.stop_speed(&format!("{path}.speed_mps"), stop, vehicle);
         if vehicle.airframe.unwrap_or_default().has_wing() {
@@ -85,12 +87,10 @@ impl Checker {
         let start = at_end("start", keys.start.as_ref());
         let goal = at_end("goal", keys.goal.as_ref());
         let has_wing = keys.airframe.unwrap_or_default().has_wing();
-        if let (true, Some(start)) = (has_wing, &keys.start) {
-            self.hovers(&format!("{path}.start"), &start.actions);
-        }
-        if has_wing && !goal.is_empty() {
-            let found = "actions at the goal, on a wing, which lands or circles there";
-            self.report(&format!("{path}.goal.actions"), found, "a stop before it");
+        let ends = [("start", &keys.start), ("goal", &keys.goal)];
+        for (key, station) in ends.into_iter().filter(|_| has_wing) {
+            let listed = station.as_ref().map_or(&[][..], |of| of.actions.as_slice());
+            self.hovers(&format!("{path}.{key}"), listed);
         }
         let camera = keys.camera.as_ref();
         let trigger_m = camera.and_then(|camera| {

@@ -5,7 +5,7 @@ mod areas;
 use super::Checker;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{Arrival, MAX_TASKS, Span, Stop, Task, Vehicle};
+use crate::spec::{AltitudeLimits, Arrival, MAX_TASKS, Span, Stop, Task, Vehicle};
 
 const KINDS: &str = "exactly one of visit, deliver, survey, corridor, search";
 
@@ -164,6 +164,9 @@ impl Checker {
         let end = self.end_point(path, point);
         if let (Some(map), Some(end)) = (map, end) {
             self.clear(path, "task", end.place, map);
+            // Some vehicle may have wider limits than the others; the area has them all.
+            let altitudes = AltitudeLimits::default();
+            self.known_point((path, "task"), Some(end), altitudes, false);
         }
         let actions = self.actions(path, (&keys.actions, point), None);
         Some(Stop {

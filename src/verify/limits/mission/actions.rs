@@ -73,7 +73,20 @@ impl Contract<'_> {
 
     /// The row after which the vehicle leaves the start, and that which ends what it does at the goal.
     fn rows_of_way(&self) -> (usize, usize) {
-        let marks = self.flight.route.iter().map(|mark| (mark.row, mark.point));
+        // The way of a wing ends at the last waypoint before its circle or its landing.
+        let ends = [
+            command::NAV_LOITER_UNLIM,
+            command::NAV_LAND,
+            command::NAV_VTOL_LAND,
+        ];
+        let is_on_way = |row: usize| {
+            let item = row
+                .checked_sub(1)
+                .and_then(|index| self.mission.items.get(index));
+            self.vehicle.wing.is_none() || item.is_none_or(|item| !ends.contains(&item.command))
+        };
+        let marks = self.flight.route.iter().filter(|mark| is_on_way(mark.row));
+        let marks = marks.map(|mark| (mark.row, mark.point));
         let rests = self.flight.rests.iter();
         let rests = rests.map(|rest| (rest.rows.1, rest.point));
         let mut passed: Vec<(usize, PlanPoint)> = marks.chain(rests).collect();

@@ -140,7 +140,7 @@ impl Contract<'_> {
 
     /// Where the route ends: a vtol that lands from any direction flies its last stretch at
     /// the height that it has.
-    fn goal(&self) -> PlanPoint {
+    pub(super) fn goal(&self) -> PlanPoint {
         let goal = self.stations.goal;
         let levels = self.vehicle.airframe == Airframe::Vtol
             && self.vehicle.finish == Finish::Land

@@ -4,7 +4,7 @@ use super::Contract;
 use crate::geodesy::PlanPoint;
 use crate::mission::{self, command};
 use crate::spec::{Order, Stop};
-use crate::verify::execute::flight::Rest;
+use crate::verify::execute::flight::{End, Mark, Rest};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin};
 
@@ -13,6 +13,9 @@ pub(super) const REST_S: f64 = 1e-6;
 
 /// The waypoint of a stop is reached this near to the time when the vehicle is nearest, seconds.
 const NEAR_S: f64 = 5.0;
+
+/// Waypoints nearer to each other than this are at one place, metres.
+const SAME_M: f64 = 0.5;
 
 /// A stop and where the vehicle rests for it, or flies past it.
 struct Visit {
@@ -55,11 +58,14 @@ impl Contract<'_> {
         let mut since_s = f64::NEG_INFINITY;
         let is_fixed = self.vehicle.order == Order::Fixed;
         let stops = self.with_ends();
+        let goal = stops.len() - usize::from(self.vehicle.goal_stop().is_some());
         let mut visits = Vec::with_capacity(stops.len());
-        for (stop, point) in stops {
+        for (index, (stop, point)) in stops.into_iter().enumerate() {
             let after_s = if is_fixed { since_s } else { f64::NEG_INFINITY };
             let passes = self.vehicle.wing.is_some() && stop.hold_s <= 0.0;
-            let best = if passes {
+            let best = if passes && index == goal {
+                self.goal_on_wing(&stop, since_s)
+            } else if passes {
                 self.pass(&stop, point, after_s)
             } else {
                 let best = rests
@@ -135,6 +141,38 @@ impl Contract<'_> {
             from_s: t_s,
             until_s: t_s,
             rows: (first, next),
+        };
+        Some((rest, away_m))
+    }
+
+    /// Where a wing acts at its goal, and how far from it the vehicle comes: the route to it ends at
+    /// the last waypoint before its landing or its circle.
+    fn goal_on_wing(&self, stop: &Stop, after_s: f64) -> Option<(Rest, f64)> {
+        let goal = self.goal();
+        let items = &self.mission.items;
+        let is_waypoint = |row: usize| {
+            let item = row.checked_sub(1).and_then(|index| items.get(index));
+            item.is_some_and(|item| item.command == command::NAV_WAYPOINT)
+        };
+        let marks = self.flight.route.iter();
+        let marks = marks.filter(|mark| mark.t_s > after_s && is_waypoint(mark.row));
+        let away = |mark: &Mark| mark.point.distance_m(goal);
+        let nearest_m = marks.clone().map(away).fold(f64::INFINITY, f64::min);
+        let end = marks
+            .clone()
+            .find(|mark| away(mark) <= nearest_m + SAME_M)?;
+        let away_m = match self.flight.end {
+            Some(End::Stays(at)) => at.distance_m(goal.at),
+            _ => self.pass(stop, goal, after_s)?.1,
+        };
+        let later = items.iter().enumerate().skip(end.row);
+        let mut onward = later.filter(|(_, item)| item.command <= command::NAV_LAST);
+        let next = onward.next().map_or(items.len(), |(index, _)| index + 1);
+        let rest = Rest {
+            point: end.point,
+            from_s: end.t_s,
+            until_s: end.t_s,
+            rows: (end.row, next),
         };
         Some((rest, away_m))
     }

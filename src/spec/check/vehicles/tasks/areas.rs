@@ -5,7 +5,7 @@ use geo::{Area as _, Contains, Intersects, Point, Polygon};
 use super::super::Checker;
 use crate::geodesy::{Agl, EastNorth, LatLon};
 use crate::numeric::digits;
-use crate::spec::check::map::Map;
+use crate::spec::check::map::{Map, are_near};
 use crate::spec::keys::{self, Pattern};
 use crate::spec::{SearchPattern, Sensor, Sweep, SweepShape};
 
@@ -286,7 +286,9 @@ impl Checker {
             for (index, corner) in corners.iter().enumerate() {
                 self.clear(&format!("{path}[{index}]"), "corner", *corner, map);
             }
-            return self.polygon(path, &map.frame, &corners).then_some(corners);
+            let is_good =
+                are_near(&corners, map.frame.origin()) && self.polygon(path, &map.frame, &corners);
+            return is_good.then_some(corners);
         }
         Some(corners)
     }
@@ -300,6 +302,12 @@ impl Checker {
         let (Some(polygon), Some(map)) = (polygon, map) else {
             return;
         };
+        let origin = map.frame.origin();
+        for (index, corner) in hole.iter().enumerate() {
+            if !self.is_near(&format!("{path}[{index}]"), *corner, origin) {
+                return;
+            }
+        }
         let is_simple = self.polygon(path, &map.frame, hole);
         let (outer, inner) = (map.frame.outline(polygon), map.frame.outline(hole));
         if is_simple && !outer.contains(inner.exterior()) {
