@@ -1,6 +1,7 @@
 //! QGroundControl's `.plan`: JSON with mission, fence and rally points.
 
 mod dropped;
+mod landing_pattern;
 mod read;
 mod unique_keys;
 mod write;

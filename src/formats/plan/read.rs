@@ -2,9 +2,9 @@
 
 use serde_json::Value;
 
-use super::dropped;
 use super::unique_keys::UniqueKeys;
 use super::{FIRMWARE, airframe, altitude_mode};
+use super::{dropped, landing_pattern};
 use crate::formats::document::{point_item, raised_item};
 use crate::formats::text::number::{coordinate, float};
 use crate::formats::{Document, FormatError, Repair, SourceLocation};
@@ -14,8 +14,8 @@ use crate::mission::{Home, Item, command, frame};
 /// Reads a mission with its fence and rally points. Unknown keys end in
 /// [`Document::dropped`].
 ///
-/// Of a complex item its flown items are read (surveys and corridors). Landing patterns
-/// and structure scans hold none and are rejected.
+/// Of a complex item its flown items are read (surveys and corridors). Landing patterns hold none:
+/// those that QGroundControl sends are made. Structure scans are rejected.
 ///
 /// # Errors
 /// [`FormatError::Text`] when it is no JSON; [`FormatError::Json`] with the path, and
@@ -79,15 +79,15 @@ fn without_place(error: &serde_json::Error) -> String {
 
 /// A value and its path.
 #[derive(Clone)]
-struct Node<'a> {
-    value: &'a Value,
+pub(super) struct Node<'a> {
+    pub(super) value: &'a Value,
     at: String,
     item: Option<usize>,
 }
 
 impl<'a> Node<'a> {
     /// A member; `null` if there is none.
-    fn get(&self, key: &str) -> Self {
+    pub(super) fn get(&self, key: &str) -> Self {
         Self {
             value: &self.value[key],
             at: if self.at.is_empty() {
@@ -116,7 +116,7 @@ impl<'a> Node<'a> {
             .collect())
     }
 
-    fn bad(&self, allowed: &str) -> FormatError {
+    pub(super) fn bad(&self, allowed: &str) -> FormatError {
         let text = self.value.to_string();
         let found: String = text.chars().take(60).collect();
         FormatError::Json {
@@ -127,7 +127,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn expect_version(&self, version: u64) -> Result<(), FormatError> {
+    pub(super) fn expect_version(&self, version: u64) -> Result<(), FormatError> {
         if self.value.as_u64() == Some(version) {
             Ok(())
         } else {
@@ -143,12 +143,18 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn float(&self) -> Result<f32, FormatError> {
+    pub(super) fn float(&self) -> Result<f32, FormatError> {
         let value = float(self.number()?);
         if value.is_infinite() {
             return Err(self.bad("a number that fits 32 bits"));
         }
         Ok(value)
+    }
+
+    pub(super) fn flag(&self) -> Result<bool, FormatError> {
+        self.value
+            .as_bool()
+            .ok_or_else(|| self.bad("true or false"))
     }
 
     fn unsigned<T: TryFrom<u64>>(&self, allowed: &str) -> Result<T, FormatError> {
@@ -168,7 +174,7 @@ impl<'a> Node<'a> {
     }
 
     /// Latitude and longitude, 1e-7 degrees, and the altitude if there is one.
-    fn place(&self) -> Result<((i32, i32), Option<f32>), FormatError> {
+    pub(super) fn place(&self) -> Result<((i32, i32), Option<f32>), FormatError> {
         let numbers = self.list()?;
         let [lat, lon, rest @ ..] = numbers.as_slice() else {
             return Err(self.bad("[latitude, longitude]"));
@@ -198,6 +204,12 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
                 rows.push((item.value["doJumpId"].as_u64(), read));
             }
             Some("ComplexItem") => {
+                if let Some(items) = landing_pattern::items(&item)? {
+                    let what = "a landing pattern holds no items: those that QGroundControl sends";
+                    document.repairs.push(repair(&item.at, what));
+                    rows.extend(items.into_iter().map(|item| (None, item)));
+                    continue;
+                }
                 let flown = item.get("TransectStyleComplexItem").get("Items");
                 if flown.value.is_null() {
                     let kind = item.get("complexItemType");
@@ -379,7 +391,7 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
         document.fence.push(item);
     }
     for polygon in node.get("polygons").list()? {
-        let command = if inclusion(&polygon)? {
+        let command = if polygon.get("inclusion").flag()? {
             command::FENCE_POLYGON_INCLUSION
         } else {
             command::FENCE_POLYGON_EXCLUSION
@@ -396,7 +408,7 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
         }
     }
     for circle in node.get("circles").list()? {
-        let command = if inclusion(&circle)? {
+        let command = if circle.get("inclusion").flag()? {
             command::FENCE_CIRCLE_INCLUSION
         } else {
             command::FENCE_CIRCLE_EXCLUSION
@@ -407,13 +419,6 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
         document.fence.push(point_item(command, radius_m, at));
     }
     Ok(())
-}
-
-fn inclusion(node: &Node<'_>) -> Result<bool, FormatError> {
-    let flag = node.get("inclusion");
-    flag.value
-        .as_bool()
-        .ok_or_else(|| flag.bad("true or false"))
 }
 
 fn rally(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
