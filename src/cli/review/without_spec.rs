@@ -9,6 +9,7 @@ mod given;
 use std::path::{Path, PathBuf};
 
 use crate::cli::args::{AutopilotName, Limits};
+use crate::cli::folder;
 use crate::cli::print::failure::Failure;
 use crate::formats::Document;
 use crate::geodesy::{Amsl, LatLon};
@@ -81,7 +82,10 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
             let home = home(&subject, limits, &spec, &mut assumed)?;
             let is_heading_known = autopilot == Autopilot::Px4 || limits.takeoff_heading.is_some();
             let mut vehicle = fit(prototype, &subject, &home, (index, is_heading_known));
+            let stem = subject.path.file_stem().unwrap_or_default();
+            let params = folder::read_params(&subject.path, &stem.to_string_lossy())?;
             let mut mission = mission(subject, home, who)?;
+            mission.params = params;
             if !is_heading_known {
                 assumed::takeoff_heading(&mut vehicle, &mission, &mut assumed);
             }

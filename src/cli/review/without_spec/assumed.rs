@@ -50,6 +50,11 @@ pub(super) fn returns(
     for name in names {
         let Some(row) = parameter(name) else { continue };
         let given = limits.return_amsl.filter(|_| *name == "RTL_ALTITUDE");
+        let is_held = |param: &Parameter| param.name == *name;
+        if given.is_none() && mission.params.iter().any(is_held) {
+            continue;
+        }
+        mission.params.retain(|param| !is_held(param));
         #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
         let value = given.map_or(row.default, |amsl_m| {
             (amsl_m - f64::from(mission.home.amsl_m)) as f32
