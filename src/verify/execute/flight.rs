@@ -138,7 +138,7 @@ pub(crate) struct Flight {
     /// Course and angle of a plane's glide to its landing, radians.
     pub(crate) landing: Option<(f64, f64)>,
     /// The lowest place that it is sent to by its altitude above the sea, landings aside.
-    pub(crate) lowest: Option<Mark>,
+    pub(crate) low_point: Option<Mark>,
     /// How far above home a plane lands where the ground is not known, if it is not near home's height,
     /// metres.
     pub(crate) blind_landing_m: Option<f64>,
@@ -160,10 +160,10 @@ impl Flight {
     /// Keeps the lower of the lowest place so far and another.
     pub(crate) fn note_low(&mut self, mark: Mark) {
         if self
-            .lowest
-            .is_none_or(|lowest| mark.point.amsl.0 < lowest.point.amsl.0)
+            .low_point
+            .is_none_or(|low| mark.point.amsl.0 < low.point.amsl.0)
         {
-            self.lowest = Some(mark);
+            self.low_point = Some(mark);
         }
     }
 

@@ -83,7 +83,7 @@ impl Contract<'_> {
             }
         }
         // A corner may be cut short of its place, and the vehicle may come to it all the same.
-        if let Some(mark) = self.flight.lowest {
+        if let Some(mark) = self.flight.low_point {
             let above_m = mark.point.amsl.0 - home_m;
             worst.at_least(above_m, 0.0, || self.moment(mark.point, mark.t_s, mark.row));
         }
