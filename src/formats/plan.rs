@@ -2,6 +2,7 @@
 
 mod dropped;
 mod landing_pattern;
+mod node;
 mod read;
 mod unique_keys;
 mod write;

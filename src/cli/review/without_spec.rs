@@ -82,10 +82,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
             let home = home(&subject, limits, &spec, &mut assumed)?;
             let is_heading_known = autopilot == Autopilot::Px4 || limits.takeoff_heading.is_some();
             let mut vehicle = fit(prototype, &subject, &home, (index, is_heading_known));
-            let stem = subject.path.file_stem().unwrap_or_default();
-            let params = folder::read_params(&subject.path, &stem.to_string_lossy())?;
             let mut mission = mission(subject, home, who)?;
-            mission.params = params;
             if !is_heading_known {
                 assumed::takeoff_heading(&mut vehicle, &mission, &mut assumed);
             }
@@ -291,19 +288,24 @@ fn home(
     Ok(home)
 }
 
+/// The mission with its home and the parameters next to it.
 fn mission(
     subject: Subject,
     home: Home,
     (autopilot, airframe): (Autopilot, Airframe),
 ) -> Result<VehicleMission, Failure> {
+    let stem = subject.path.file_stem().unwrap_or_default();
+    let params = folder::read_params(&subject.path, &stem.to_string_lossy())?;
     let document = Document {
         home: Some(home),
         ..subject.document
     };
-    document.into_mission(autopilot, airframe).map_err(|error| {
+    let mission = document.into_mission(autopilot, airframe);
+    let mission = mission.map_err(|error| {
         let message = format!("{}: {error}", subject.path.display());
         Failure::new(Failure::INPUT, message)
-    })
+    })?;
+    Ok(VehicleMission { params, ..mission })
 }
 
 /// The prototype at the mission: its home, its first position, its last.

@@ -1,7 +1,7 @@
 //! Landing patterns of `.plan` files, which hold no items: QGroundControl makes them when it sends
 //! the plan (`LandingComplexItem::appendMissionItems`).
 
-use super::read::Node;
+use super::node::Node;
 use crate::formats::FormatError;
 use crate::mission::{Item, command, frame};
 
