@@ -9,6 +9,7 @@ separations are measured again from the files alone. The flight model is that of
 src/verify/mod.rs, and nothing else is shared: legs are chords through the earth between
 geodetic places and never see a local frame, and minima are found by sampling (tools/second).
 
+About half of the fleets have buffers, and each limit must be that of the spec with its buffer.
 A margin agrees when sampling finds nothing worse than was reported, and nothing better by
 more than its own error and what the text allows the verdict to be short by (its chords):
 
@@ -55,6 +56,8 @@ class Finding:
     error: float  # the true minimum is no more than this below
     model: float  # what the text allows the verdict to be short by: its chords
     plane: float  # what the verdict's plane and the chords of this file differ in
+    limit: float = math.nan  # what was compared with
+    expected: float = math.nan  # the limit of the spec and its buffer, where there is one limit
 
     @property
     def worse(self):
@@ -68,7 +71,8 @@ class Finding:
 
     @property
     def agrees(self):
-        return self.worse <= ROUNDING_M and self.better <= ROUNDING_M
+        is_limit = math.isnan(self.expected) or abs(self.limit - self.expected) <= ROUNDING_M
+        return is_limit and self.worse <= ROUNDING_M and self.better <= ROUNDING_M
 
 
 def sortie_runs(sortie, *arguments):
@@ -102,6 +106,8 @@ def compare(spec_path, files, margins):
     for flight in flights.values():
         flight.stay_until(horizon)
     threats = {f"threat {threat['id']}": threat for threat in spec.get("threats", [])}
+    buffers = spec.get("buffer_m", {})
+    buffer = lambda kind: buffers.get(kind, buffers.get("all", 0))
     for margin in margins:
         flight, what = flights[margin["vehicle"]], margin["what"]
         value = math.nan if margin["value"] is None else margin["value"]
@@ -110,13 +116,15 @@ def compare(spec_path, files, margins):
             slope = ground.steepest
             found, error = clearance(flight)
             model = max(CHORD_M * slope, FOLLOW_M if flight.follows else 0)
-            yield Finding("clearance", not margin["ok"], name, value, found, error, model, flight.beside(origin) * slope)
+            yield Finding("clearance", not margin["ok"], name, value, found, error, model, flight.beside(origin) * slope,
+                          margin["limit"], spec["area"]["min_agl_m"] + buffer("terrain"))
         elif what in threats:
             found, error = to_threat(flight, threats[what])
             # A plane that touches the earth at the axis makes a distance r short by r (r / R)^2 / 6, a chord by 1/24.
             away = found + threats[what]["radius_m"]
             short = away * (away / A) ** 2 / 7
-            yield Finding("threat", not margin["ok"], name, value, found, error, CHORD_M + short, flight.beside(origin))
+            yield Finding("threat", not margin["ok"], name, value, found, error, CHORD_M + short, flight.beside(origin),
+                          margin["limit"], buffer("threats"))
         elif what == "separation":
             other = flights[margin["other"]]
             follow = (flight.follows + other.follows) * FOLLOW_M
@@ -127,7 +135,8 @@ def compare(spec_path, files, margins):
                 found = math.nan
             plane = sum(f.along(origin) + f.beside(origin) for f in (flight, other))
             short = found * (flight.furthest(origin) + other.furthest(origin) + found) ** 2 / (2 * A * A)
-            yield Finding("separation", not margin["ok"], f"{name} {margin['other']}", value, found, error, chords + short, plane)
+            yield Finding("separation", not margin["ok"], f"{name} {margin['other']}", value, found, error, chords + short, plane,
+                          margin["limit"], spec["separation"]["distance_m"] + buffer("separation") if reported == "m" else math.nan)
 
 
 def plan(spec, sortie):

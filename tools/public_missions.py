@@ -64,18 +64,20 @@ def is_mission(path, content):
     return content.lstrip(b"\xef\xbb\xbf").startswith(b"QGC WPL")
 
 
-def mission_files(clones):
+def mission_files(clones, known=()):
+    """Those of the table first: a copy of one in another repository does not take its place."""
     seen = set()
-    for name, folder, head in repositories(clones):
-        listed = git(folder, "-c", "core.quotepath=off", "ls-tree", "-r", "--name-only", head)
-        for path in listed.decode("utf-8", "replace").splitlines():
-            if not path.lower().endswith(ENDINGS):
-                continue
-            content = git(folder, "show", f"{head}:{path}")
-            digest = hashlib.sha256(content.replace(b"\r", b"")).digest()
-            if is_mission(path, content) and digest not in seen:
-                seen.add(digest)
-                yield name, head, path, content
+    for in_table in (True, False):
+        for name, folder, head in repositories(clones):
+            listed = git(folder, "-c", "core.quotepath=off", "ls-tree", "-r", "--name-only", head)
+            for path in listed.decode("utf-8", "replace").splitlines():
+                if not path.lower().endswith(ENDINGS) or ((name, path) in known) != in_table:
+                    continue
+                content = git(folder, "show", f"{head}:{path}")
+                digest = hashlib.sha256(content.replace(b"\r", b"")).digest()
+                if is_mission(path, content) and (in_table or digest not in seen):
+                    seen.add(digest)
+                    yield name, head, path, content
 
 
 def review(sortie, file, flags):
@@ -98,10 +100,16 @@ def first_place(content):
     return None
 
 
+def holds_vtol(content):
+    """Whether a file has a takeoff, landing or transition of a VTOL besides items of all wings."""
+    rows = (line.split() for line in content.decode("utf-8", "replace").splitlines())
+    return any(len(row) > 3 and row[3] in ("84", "85", "3000") for row in rows)
+
+
 def judge(sortie, file, content, flags):
     code, failed, errors = review(sortie, file, flags)
     if code == 4 and "say --airframe" in errors:
-        kind = "vtol" if any(word in errors for word in ("NAV_VTOL", "DO_VTOL")) else "plane"
+        kind = "vtol" if any(word in errors for word in ("NAV_VTOL", "DO_VTOL")) or holds_vtol(content) else "plane"
         return judge(sortie, file, content, [*flags, "--airframe", kind])
     place = first_place(content)
     if any("home row holds no place" in margin.get("note", "") for margin in failed) and place and "--home" not in flags:
@@ -157,7 +165,7 @@ def main():
     known = {(row[0], row[2]): row for row in rows}
     found, wrong = [], 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, commit, path, content in mission_files(options.clones):
+        for name, commit, path, content in mission_files(options.clones, known):
             row = known.get((name, path))
             if not options.write and row is None:
                 continue

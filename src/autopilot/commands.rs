@@ -287,7 +287,7 @@ pub static COMMANDS: &[CommandRow] = &[
     ardupilot((217, "DO_SEND_SCRIPT_MESSAGE"), NoMotion),
     ardupilot((218, "DO_AUX_FUNCTION"), NoMotion),
     ardupilot((222, "DO_GUIDED_LIMITS"), Moves),
-    ardupilot((223, "DO_ENGINE_CONTROL"), Moves),
+    ardupilot((223, "DO_ENGINE_CONTROL"), Unknown("DO_ENGINE_CONTROL stops the engine")),
     px4((260, "OBLIQUE_SURVEY"), Moves),
     px4((400, "COMPONENT_ARM_DISARM"), Moves),
     px4((530, "SET_CAMERA_MODE"), NoMotion),

@@ -54,12 +54,16 @@ pub mod command {
     pub const DO_GRIPPER: u16 = 211;
     /// What a switch of the transmitter does.
     pub const DO_AUX_FUNCTION: u16 = 218;
+    /// Start or stop an engine.
+    pub const DO_ENGINE_CONTROL: u16 = 223;
     /// Turn a gimbal.
     pub const DO_GIMBAL_MANAGER_PITCHYAW: u16 = 1000;
     /// Who controls a gimbal.
     pub const DO_GIMBAL_MANAGER_CONFIGURE: u16 = 1001;
     /// Take pictures.
     pub const IMAGE_START_CAPTURE: u16 = 2000;
+    /// Take no more pictures.
+    pub const IMAGE_STOP_CAPTURE: u16 = 2001;
     /// Start a video.
     pub const VIDEO_START_CAPTURE: u16 = 2500;
     /// Stop a video.

@@ -1,6 +1,8 @@
 //! QGroundControl's `.plan`: JSON with mission, fence and rally points.
 
 mod dropped;
+mod landing_pattern;
+mod node;
 mod read;
 mod unique_keys;
 mod write;

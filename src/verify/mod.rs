@@ -115,6 +115,9 @@
 //! **Payload.** Down from the altitude that it has, with a speed between `descent_mps` and that of a landing, to the ground
 //! or by param1 at most, and up again with `climb_mps`.
 //!
+//! **Where a wing turns.** A waypoint of ArduPlane with 1 m or more in `param2` is not judged: it turns that far before it. So is one of
+//! a PX4 wing where `param2` is more than the radius of its turns.
+//!
 //! Items after `NAV_LOITER_UNLIM` are never flown, and fail the count of judged items unless
 //! the spec says loiter. So do items after a landing, but for further returns and landings, and items after a
 //! `DO_JUMP` that ArduPilot repeats for ever. Of such a mission one repetition more is judged; from then on, for
@@ -163,7 +166,8 @@
 //! it flies straight to the rim.
 //!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
-//! row; PX4 then goes on to the item's place where that is more than `tolerance_m` away,
+//! row, by 1 m at least on ArduCopter and by 2.5 m on a PX4 copter; in the air it is a climb of ArduCopter where it is,
+//! if it leads up, and is not judged elsewhere. PX4 then goes on to the item's place where that is more than `tolerance_m` away,
 //! and rests. A landing flies to its place at the altitude that the vehicle has, rests,
 //! and descends with `descent_mps`, from 10 m above the ground on with no more than 0.5
 //! m/s (ArduPilot) or 0.7 m/s (PX4). A return climbs to `return_amsl_m` unless it is

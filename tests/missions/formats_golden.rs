@@ -219,8 +219,8 @@ fn what_a_plan_cannot_say_is_refused_with_the_item() {
             .expect_err("refused")
             .to_string()
     };
-    let landing = r#"{"type":"ComplexItem","complexItemType":"fwLandingPattern"}"#;
-    let told = refused(&format!("{SIMPLE},{landing}"));
+    let scan = r#"{"type":"ComplexItem","complexItemType":"StructureScan"}"#;
+    let told = refused(&format!("{SIMPLE},{scan}"));
     assert!(
         told.starts_with("mission.items[1].complexItemType"),
         "{told}"

@@ -4,10 +4,13 @@
 mod support;
 
 mod airframes;
+mod commanded_places;
 mod convert_command;
 mod formats_corpus;
 mod formats_golden;
 mod formats_maps;
+mod landing_pattern;
 mod mission_accept;
 mod mission_build;
+mod params_without_spec;
 mod without_spec;

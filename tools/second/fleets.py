@@ -58,6 +58,11 @@ def make_fleet(rng, ground, folder):
         "planner": {"algorithm": "msfoa", "seed": 1, "evaluations": 300},
         "mission": {"altitude": altitude_reference(rng, vehicles), "tolerance_m": 5},
     }
+    if rng.random() < 0.5:
+        kinds = ("all", "threats", "terrain", "separation")
+        for vehicle in vehicles:
+            vehicle["max_airspeed_mps"] = 30.0
+        spec |= {"sortie": 2, "buffer_m": {kind: round(rng.uniform(0, 19), 1) for kind in kinds}}
     path = folder / "spec.yaml"
     path.write_text(json.dumps(spec, indent=1))
     return path, files

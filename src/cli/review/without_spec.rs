@@ -9,6 +9,7 @@ mod given;
 use std::path::{Path, PathBuf};
 
 use crate::cli::args::{AutopilotName, Limits};
+use crate::cli::folder;
 use crate::cli::print::failure::Failure;
 use crate::formats::Document;
 use crate::geodesy::{Amsl, LatLon};
@@ -287,19 +288,24 @@ fn home(
     Ok(home)
 }
 
+/// The mission with its home and the parameters next to it.
 fn mission(
     subject: Subject,
     home: Home,
     (autopilot, airframe): (Autopilot, Airframe),
 ) -> Result<VehicleMission, Failure> {
+    let stem = subject.path.file_stem().unwrap_or_default();
+    let params = folder::read_params(&subject.path, &stem.to_string_lossy())?;
     let document = Document {
         home: Some(home),
         ..subject.document
     };
-    document.into_mission(autopilot, airframe).map_err(|error| {
+    let mission = document.into_mission(autopilot, airframe);
+    let mission = mission.map_err(|error| {
         let message = format!("{}: {error}", subject.path.display());
         Failure::new(Failure::INPUT, message)
-    })
+    })?;
+    Ok(VehicleMission { params, ..mission })
 }
 
 /// The prototype at the mission: its home, its first position, its last.

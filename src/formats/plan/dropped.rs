@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::altitude_mode;
+use super::{altitude_mode, landing_pattern};
 
 /// Known keys: those that the reader takes, and those that only affect the display.
 const ROOT: &[&str] = &[
@@ -93,6 +93,9 @@ impl Dropped {
             if item["type"] == "ComplexItem" {
                 let flown = &item["TransectStyleComplexItem"]["Items"];
                 let kind = item["complexItemType"].as_str().unwrap_or("complex item");
+                if landing_pattern::is_one(kind) {
+                    continue;
+                }
                 let count = list(flown).count();
                 self.notes.push(format!(
                     "{at}: what the {kind} was drawn from; its {count} flown items are kept"

@@ -2,11 +2,11 @@
 
 use serde_json::Value;
 
-use super::dropped;
+use super::node::Node;
 use super::unique_keys::UniqueKeys;
 use super::{FIRMWARE, airframe, altitude_mode};
+use super::{dropped, landing_pattern};
 use crate::formats::document::{point_item, raised_item};
-use crate::formats::text::number::{coordinate, float};
 use crate::formats::{Document, FormatError, Repair, SourceLocation};
 use crate::geodesy::LatLon;
 use crate::mission::{Home, Item, command, frame};
@@ -14,8 +14,8 @@ use crate::mission::{Home, Item, command, frame};
 /// Reads a mission with its fence and rally points. Unknown keys end in
 /// [`Document::dropped`].
 ///
-/// Of a complex item its flown items are read (surveys and corridors). Landing patterns
-/// and structure scans hold none and are rejected.
+/// Of a complex item its flown items are read (surveys and corridors). Landing patterns hold none:
+/// those that QGroundControl sends are made. Structure scans are rejected.
 ///
 /// # Errors
 /// [`FormatError::Text`] when it is no JSON; [`FormatError::Json`] with the path, and
@@ -77,108 +77,6 @@ fn without_place(error: &serde_json::Error) -> String {
     text.strip_suffix(&place).unwrap_or(&text).to_owned()
 }
 
-/// A value and its path.
-#[derive(Clone)]
-struct Node<'a> {
-    value: &'a Value,
-    at: String,
-    item: Option<usize>,
-}
-
-impl<'a> Node<'a> {
-    /// A member; `null` if there is none.
-    fn get(&self, key: &str) -> Self {
-        Self {
-            value: &self.value[key],
-            at: if self.at.is_empty() {
-                key.to_owned()
-            } else {
-                format!("{}.{key}", self.at)
-            },
-            item: self.item,
-        }
-    }
-
-    /// The elements of a list; of none if it is absent.
-    fn list(&self) -> Result<Vec<Self>, FormatError> {
-        if self.value.is_null() {
-            return Ok(Vec::new());
-        }
-        let values = self.value.as_array().ok_or_else(|| self.bad("a list"))?;
-        Ok(values
-            .iter()
-            .enumerate()
-            .map(|(index, value)| Self {
-                value,
-                at: format!("{}[{index}]", self.at),
-                item: self.item,
-            })
-            .collect())
-    }
-
-    fn bad(&self, allowed: &str) -> FormatError {
-        let text = self.value.to_string();
-        let found: String = text.chars().take(60).collect();
-        FormatError::Json {
-            at: self.at.clone(),
-            item: self.item,
-            found,
-            allowed: allowed.to_owned(),
-        }
-    }
-
-    fn expect_version(&self, version: u64) -> Result<(), FormatError> {
-        if self.value.as_u64() == Some(version) {
-            Ok(())
-        } else {
-            Err(self.bad(&version.to_string()))
-        }
-    }
-
-    /// A number; NaN if it is `null`.
-    fn number(&self) -> Result<f64, FormatError> {
-        match self.value {
-            Value::Null => Ok(f64::NAN),
-            value => value.as_f64().ok_or_else(|| self.bad("a number or null")),
-        }
-    }
-
-    fn float(&self) -> Result<f32, FormatError> {
-        let value = float(self.number()?);
-        if value.is_infinite() {
-            return Err(self.bad("a number that fits 32 bits"));
-        }
-        Ok(value)
-    }
-
-    fn unsigned<T: TryFrom<u64>>(&self, allowed: &str) -> Result<T, FormatError> {
-        self.value
-            .as_u64()
-            .and_then(|value| T::try_from(value).ok())
-            .ok_or_else(|| self.bad(allowed))
-    }
-
-    fn scaled(&self, frame: u8) -> Result<i32, FormatError> {
-        let value = self.number()?;
-        // A command without a place may leave its last parameters unset.
-        if value.is_nan() && frame == frame::MISSION {
-            return Ok(0);
-        }
-        coordinate(frame, value).ok_or_else(|| self.bad("a number that fits"))
-    }
-
-    /// Latitude and longitude, 1e-7 degrees, and the altitude if there is one.
-    fn place(&self) -> Result<((i32, i32), Option<f32>), FormatError> {
-        let numbers = self.list()?;
-        let [lat, lon, rest @ ..] = numbers.as_slice() else {
-            return Err(self.bad("[latitude, longitude]"));
-        };
-        let height = rest.first().map(Node::float).transpose()?;
-        let at = (lat.scaled(frame::GLOBAL)?, lon.scaled(frame::GLOBAL)?);
-        Ok((at, height))
-    }
-}
-
 fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
     node.get("version").expect_version(2)?;
     let firmware = node.get("firmwareType").value.as_u64();
@@ -198,6 +96,12 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
                 rows.push((item.value["doJumpId"].as_u64(), read));
             }
             Some("ComplexItem") => {
+                if let Some(items) = landing_pattern::items(&item)? {
+                    let what = "a landing pattern holds no items: those that QGroundControl sends";
+                    document.repairs.push(repair(&item.at, what));
+                    rows.extend(items.into_iter().map(|item| (None, item)));
+                    continue;
+                }
                 let flown = item.get("TransectStyleComplexItem").get("Items");
                 if flown.value.is_null() {
                     let kind = item.get("complexItemType");
@@ -379,7 +283,7 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
         document.fence.push(item);
     }
     for polygon in node.get("polygons").list()? {
-        let command = if inclusion(&polygon)? {
+        let command = if polygon.get("inclusion").flag()? {
             command::FENCE_POLYGON_INCLUSION
         } else {
             command::FENCE_POLYGON_EXCLUSION
@@ -396,7 +300,7 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
         }
     }
     for circle in node.get("circles").list()? {
-        let command = if inclusion(&circle)? {
+        let command = if circle.get("inclusion").flag()? {
             command::FENCE_CIRCLE_INCLUSION
         } else {
             command::FENCE_CIRCLE_EXCLUSION
@@ -407,13 +311,6 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
         document.fence.push(point_item(command, radius_m, at));
     }
     Ok(())
-}
-
-fn inclusion(node: &Node<'_>) -> Result<bool, FormatError> {
-    let flag = node.get("inclusion");
-    flag.value
-        .as_bool()
-        .ok_or_else(|| flag.bad("true or false"))
 }
 
 fn rally(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {

@@ -223,7 +223,9 @@ impl Pilot<'_> {
                 self.stop()?;
                 self.hold(row, hold_s);
             }
-            Order::Takeoff { .. } if self.airborne => return unknown("a second takeoff"),
+            Order::Takeoff { height, .. } if self.airborne => {
+                self.climb_again(row, height, mission.autopilot)?;
+            }
             Order::Takeoff { at, height } if self.vehicle.airframe == Airframe::Plane => {
                 self.climb_out(row, at, height)?;
             }
@@ -245,6 +247,7 @@ impl Pilot<'_> {
         match step.order {
             Order::Nothing | Order::Speed { .. } | Order::Wait { .. } | Order::Takeoff { .. } => {}
             Order::Fly { at, height, hold_s } => {
+                self.turns_by_itself(row, &mission.items[row - 1])?;
                 self.head_for(row, self.or_here(at), height)?;
                 if let Some(hold_s) = hold_s {
                     self.stop()?;
@@ -315,6 +318,13 @@ impl Pilot<'_> {
 
     pub(crate) fn append(&mut self, knot: Knot) -> Result<(), Unknown> {
         let last = self.last();
+        if knot.agl_m.is_none() && knot.phase != Phase::Finish {
+            self.flight.note_low(Mark {
+                point: knot.point(),
+                row: knot.row,
+                t_s: self.trajectory.t_s,
+            });
+        }
         if knot.at.distance_m(last.at) > SAME_PLACE_M {
             self.knots.push(knot);
         } else if (knot.amsl_m - last.amsl_m).abs() > SAME_PLACE_M {

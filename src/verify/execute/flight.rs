@@ -137,6 +137,11 @@ pub(crate) struct Flight {
     pub(crate) takeoff_rad: Option<f64>,
     /// Course and angle of a plane's glide to its landing, radians.
     pub(crate) landing: Option<(f64, f64)>,
+    /// The lowest place that it is sent to by its altitude above the sea, landings aside.
+    pub(crate) low_point: Option<Mark>,
+    /// How far above home a plane lands where the ground is not known, if it is not near home's height,
+    /// metres.
+    pub(crate) blind_landing_m: Option<f64>,
     /// How far from its place a descent on rotors may end, driven off by the wind, metres.
     pub(crate) landing_drift_m: f64,
     pub(crate) circle: Option<Circle>,
@@ -152,6 +157,16 @@ pub(crate) struct Flight {
 }
 
 impl Flight {
+    /// Keeps the lower of the lowest place so far and another.
+    pub(crate) fn note_low(&mut self, mark: Mark) {
+        if self
+            .low_point
+            .is_none_or(|low| mark.point.amsl.0 < low.point.amsl.0)
+        {
+            self.low_point = Some(mark);
+        }
+    }
+
     /// When the last motion that ends has ended, seconds.
     pub(crate) fn last_s(&self) -> f64 {
         self.chords

@@ -181,6 +181,8 @@ fn without_order(item: &Item) -> Result<Order, String> {
     match command_row(command).map(|row| (row.motion, row.name)) {
         // 0 and 1 disable and enable it.
         _ if command == command::DO_PARACHUTE && (0.0..2.0).contains(&first) => Ok(Order::Nothing),
+        // Above 0 it starts, and is running already.
+        _ if command == command::DO_ENGINE_CONTROL && first > 0.0 => Ok(Order::Nothing),
         Some((Motion::NoMotion, name))
             if command == command::DO_AUX_FUNCTION && !is_harmless_function(first) =>
         {

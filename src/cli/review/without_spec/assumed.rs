@@ -10,6 +10,20 @@ use crate::spec::Vehicle;
 use crate::verify::{Limit, Margin};
 use crate::world::{Departure, Terrain, World};
 
+/// Items after which no wing returns by itself.
+const ENDS: [u16; 3] = [
+    command::NAV_LAND,
+    command::NAV_VTOL_LAND,
+    command::NAV_LOITER_UNLIM,
+];
+/// Items that a wing circles at.
+const CIRCLES: [u16; 4] = [
+    command::NAV_LOITER_UNLIM,
+    command::NAV_LOITER_TURNS,
+    command::NAV_LOITER_TIME,
+    command::NAV_LOITER_TO_ALT,
+];
+
 /// Adds the defaults of the parameters by which the autopilot returns and circles, where the
 /// mission needs them, and a sentence for each set of them.
 pub(super) fn returns(
@@ -24,23 +38,12 @@ pub(super) fn returns(
     };
     let returns = holds(&[command::NAV_RETURN_TO_LAUNCH]);
     let has_wing = vehicle.airframe.has_wing();
-    let ends = [
-        command::NAV_LAND,
-        command::NAV_VTOL_LAND,
-        command::NAV_LOITER_UNLIM,
-    ];
-    let circles = [
-        command::NAV_LOITER_UNLIM,
-        command::NAV_LOITER_TURNS,
-        command::NAV_LOITER_TIME,
-        command::NAV_LOITER_TO_ALT,
-    ];
     let names: &[&str] = match (mission.autopilot, has_wing) {
-        (Autopilot::ArduPilot, true) if returns || !holds(&ends) => {
+        (Autopilot::ArduPilot, true) if returns || !holds(&ENDS) => {
             &["RTL_ALTITUDE", "WP_LOITER_RAD"]
         }
-        (Autopilot::ArduPilot, true) if holds(&circles) => &["WP_LOITER_RAD"],
-        (Autopilot::Px4, true) if holds(&circles) || !holds(&ends) => &["NAV_LOITER_RAD"],
+        (Autopilot::ArduPilot, true) if holds(&CIRCLES) => &["WP_LOITER_RAD"],
+        (Autopilot::Px4, true) if holds(&CIRCLES) || !holds(&ENDS) => &["NAV_LOITER_RAD"],
         (_, true) => &[],
         _ if !returns || limits.return_amsl.is_some() => &[],
         (Autopilot::ArduPilot, false) => &["RTL_ALT", "RTL_CONE_SLOPE", "RTL_LOIT_TIME"],
@@ -50,6 +53,11 @@ pub(super) fn returns(
     for name in names {
         let Some(row) = parameter(name) else { continue };
         let given = limits.return_amsl.filter(|_| *name == "RTL_ALTITUDE");
+        let is_held = |param: &Parameter| param.name == *name;
+        if given.is_none() && mission.params.iter().any(is_held) {
+            continue;
+        }
+        mission.params.retain(|param| !is_held(param));
         #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
         let value = given.map_or(row.default, |amsl_m| {
             (amsl_m - f64::from(mission.home.amsl_m)) as f32

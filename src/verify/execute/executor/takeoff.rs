@@ -1,7 +1,7 @@
 //! Takeoffs on rotors.
 
 use crate::geodesy::{Amsl, LatLon};
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::item::Height;
 use crate::verify::measure::segment::Phase;
@@ -10,6 +10,8 @@ use super::{Pilot, is_launched};
 
 /// Default of PX4's `MIS_TAKEOFF_ALT`, metres.
 const LEAST_TAKEOFF_M: f64 = 2.5;
+/// ArduCopter climbs by this at least (`ModeAuto::takeoff_start`), metres.
+const LEAST_CLIMB_M: f64 = 1.0;
 
 impl Pilot<'_> {
     /// PX4 climbs over its home, to the altitude of the first item and `MIS_TAKEOFF_ALT` at least,
@@ -42,6 +44,11 @@ impl Pilot<'_> {
         let home = self.home;
         let place = self.world.frame.from_plan(home.at);
         let (amsl_m, _) = self.resolve(row, place, height)?;
+        let amsl_m = match (self.vehicle.airframe, autopilot) {
+            (Airframe::Copter, Autopilot::ArduPilot) => amsl_m.max(home.amsl.0 + LEAST_CLIMB_M),
+            (Airframe::Copter, Autopilot::Px4) => amsl_m.max(home.amsl.0 + LEAST_TAKEOFF_M),
+            _ => amsl_m,
+        };
         if amsl_m <= home.amsl.0 || home.amsl.0.is_nan() {
             let home_m = home.amsl.0;
             let why = format!("takeoff to {amsl_m:.2} m AMSL, not above home at {home_m:.2} m");
@@ -66,6 +73,27 @@ impl Pilot<'_> {
             self.phase = Phase::Route;
             self.mark();
         }
+        Ok(())
+    }
+
+    /// A takeoff in the air: ArduCopter climbs where it is, and never descends for it.
+    pub(crate) fn climb_again(
+        &mut self,
+        row: usize,
+        height: Height,
+        autopilot: Autopilot,
+    ) -> Result<(), Unknown> {
+        if (self.vehicle.airframe, autopilot) != (Airframe::Copter, Autopilot::ArduPilot) {
+            return Unknown::err(row, "a second takeoff");
+        }
+        self.stop()?;
+        let last = self.last();
+        let place = self.world.frame.from_plan(last.at);
+        let (amsl_m, _) = self.resolve(row, place, height)?;
+        if amsl_m > last.amsl_m {
+            self.climb(row, amsl_m);
+        }
+        self.mark();
         Ok(())
     }
 }

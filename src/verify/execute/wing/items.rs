@@ -20,7 +20,7 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         command::NAV_VTOL_TAKEOFF if is_vtol => takeoff(item, autopilot, home),
         command::NAV_TAKEOFF if !is_vtol => takeoff(item, autopilot, home),
         command::NAV_VTOL_LAND if is_vtol => landing(item, autopilot, home),
-        command::NAV_LAND if !is_vtol => landing(item, autopilot, home),
+        command::NAV_LAND if !is_vtol || forces_vtol(mission) => landing(item, autopilot, home),
         command::NAV_TAKEOFF | command::NAV_VTOL_TAKEOFF => {
             Err("a takeoff of another kind of airframe".to_owned())
         }
@@ -143,6 +143,14 @@ fn radius_m(param: f64, mission: &VehicleMission) -> Result<f64, String> {
 /// The radius of circles of PX4 where no item states one, if its parameters state one.
 pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
     held_m(mission, "NAV_LOITER_RAD").map(f64::abs)
+}
+
+/// Whether the vehicle lands on rotors at a landing of planes: a VTOL of PX4 on its wing does, unless
+/// `NAV_FORCE_VT` is 0 (`Navigator::force_vtol`).
+fn forces_vtol(mission: &VehicleMission) -> bool {
+    let mut params = mission.params.iter();
+    let found = params.find(|param| param.name == "NAV_FORCE_VT");
+    mission.autopilot == Autopilot::Px4 && found.is_none_or(|param| param.value.abs() > 0.0)
 }
 
 /// A radius from the parameters.

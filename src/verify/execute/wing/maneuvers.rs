@@ -3,7 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use crate::mission::{Item, command, turn_radius_m};
 use crate::path::{along, climb_out, heading_rad};
+use crate::spec::Autopilot;
 
 use super::drift::carried_points;
 use crate::verify::execute::decode::Unknown;
@@ -22,6 +24,22 @@ const LANDING_M: f64 = 10.0;
 const CHORD_ERROR_M: f64 = 0.02;
 
 impl Pilot<'_> {
+    /// Whether a wing turns at a waypoint by its own rule: ArduPlane within the `param2` of the item
+    /// if there is one, in whole metres up to 255 (`Plane::verify_nav_wp`), PX4 too, and then earlier
+    /// than judged where that is more than the radius of its turns.
+    pub(crate) fn turns_by_itself(&self, row: usize, item: &Item) -> Result<(), Unknown> {
+        let radius_m = f64::from(item.params[1]);
+        let is_early = match self.vehicle.autopilot {
+            Autopilot::ArduPilot => radius_m >= 1.0,
+            Autopilot::Px4 => radius_m > turn_radius_m(self.vehicle),
+        };
+        if self.vehicle.airframe.has_wing() && item.command == command::NAV_WAYPOINT && is_early {
+            let why = format!("param2 accepts the waypoint {radius_m} m before it");
+            return Unknown::err(row, why);
+        }
+        Ok(())
+    }
+
     /// Runs and climbs along the course of the spec, or towards the place of the item.
     pub(crate) fn climb_out(
         &mut self,
@@ -130,9 +148,15 @@ impl Pilot<'_> {
         height: Height,
     ) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
-        let ground_m = match self.world.terrain {
-            // Where it touches down is then not judged, but for a place that is not near home's height.
-            Terrain::Unknown => self.home.amsl.0,
+        let ground_m = match (&self.world.terrain, height) {
+            // It flares at the altitude of the item. Whether the ground is there, nobody knows.
+            (Terrain::Unknown, Height::Sea(Amsl(amsl_m)))
+                if (amsl_m - self.home.amsl.0).abs() > LANDING_M =>
+            {
+                self.flight.blind_landing_m = Some(amsl_m - self.home.amsl.0);
+                amsl_m
+            }
+            (Terrain::Unknown, _) => self.home.amsl.0,
             _ => self.trajectory.ground_m(row, place)?,
         };
         if let Height::Sea(Amsl(amsl_m)) = height

@@ -82,7 +82,21 @@ impl Contract<'_> {
                 worst.at_least(above_m, 0.0, || chord.moment(&self.world.frame, u));
             }
         }
+        // A corner may be cut short of its place, and the vehicle may come to it all the same.
+        if let Some(mark) = self.flight.low_point {
+            let above_m = mark.point.amsl.0 - home_m;
+            worst.at_least(above_m, 0.0, || self.moment(mark.point, mark.t_s, mark.row));
+        }
         let mut margin = worst.margin(self.id(), Limit::AboveHome, "m")?;
+        if let Some(above_m) = self.flight.blind_landing_m {
+            let side = if above_m < 0.0 { "below" } else { "above" };
+            let away_m = above_m.abs();
+            margin.ok = false;
+            margin.note = format!(
+                "lands {away_m:.1} m {side} home, and the ground there is not known: judge it over its terrain (--terrain)"
+            );
+            return Some(margin);
+        }
         margin.ok &= margin.value > 0.0;
         if !margin.ok {
             "not above home, and the ground is not known: judge it over its terrain (--terrain)"
