@@ -22,7 +22,7 @@ Both sides also get what the two models of the earth differ in: a straight line 
 verdict's plane and a chord through the earth are centimetres apart, and so are their lengths.
 With --wings so many VTOLs of PX4 in still air are compared besides: clearance and threats, with corners, lag and
 early altitudes, takeoff and landing on rotors. Not compared: planes, ArduPlane (swings, regions),
-circles and glides, wind, and the separation of wings.
+circles and glides, wind, ceilings, and the separation of wings.
 Spec files are read as JSON, which is YAML.
 """
 

@@ -82,7 +82,8 @@ def make_wing(rng, ground, folder):
     rows = [(0, WAYPOINT, 0, 0, *home, round(base, 2)), (0, 84, 0, 0, *home, round(z, 2))]
     at, course = home, rng.uniform(-3.1, 3.1)
     for _ in range(rng.integers(2, 9)):
-        far = rng.uniform(150, 2500)
+        # Short legs too: a lag of a descent is still there on the legs after.
+        far = rng.choice([rng.uniform(25, 80), rng.uniform(150, 2500)])
         north, east = far * math.cos(course), far * math.sin(course)
         at = at[0] + math.degrees(north / A), at[1] + math.degrees(east / A) / math.cos(math.radians(36.3))
         at = round(min(max(at[0], SOUTH), NORTH), 7), round(min(max(at[1], WEST), EAST), 7)

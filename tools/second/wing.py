@@ -61,7 +61,8 @@ class WingFlight(Flight):
         return half, taken
 
     def lags(self, knots, legs, times):
-        """Below a climb and above a descent, on the leg after too; of a descent for 7 s."""
+        """Below a climb and above a descent, on the leg after too; of a descent for 7 s.
+        What is above decides ceilings, which are not compared."""
         rates = [(b.amsl - a.amsl) / t for a, b, t in zip(knots, knots[1:], times)]
         for i, leg in enumerate(legs):
             most = max(rates[i], rates[i - 1] if i else 0.0, 0.0)
