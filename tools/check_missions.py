@@ -20,6 +20,9 @@ lies below it: every cell between samples was halved until the greatest slope or
 it proved that it holds nothing lower than found - 1 cm (of a separation, 0.1 per mille more).
 Both sides also get what the two models of the earth differ in: a straight line of the
 verdict's plane and a chord through the earth are centimetres apart, and so are their lengths.
+With --wings so many VTOLs of PX4 in still air are compared besides: clearance and threats, with corners, lag and
+early altitudes, takeoff and landing on rotors. Not compared: planes, ArduPlane (swings, regions),
+circles and glides, wind, ceilings, and the separation of wings.
 Spec files are read as JSON, which is YAML.
 """
 
@@ -35,9 +38,10 @@ from pathlib import Path
 import numpy as np
 
 from second.earth import A, Ground
-from second.fleets import make_fleet
+from second.fleets import make_fleet, make_wing
 from second.flight import Flight, read_items, read_radius
 from second.minima import clearance, separation, to_threat
+from second.wing import WingFlight
 
 ROOT = Path(__file__).resolve().parent.parent
 CHORD_M = 0.02  # the verdict's chords of arcs and ramps
@@ -89,7 +93,8 @@ def compare(spec_path, files, margins):
     ground = Ground(spec_path.parent / spec["terrain"]["file"])
     by_name = {path.name.split(".")[0]: path for path in files}
     flights = {
-        v["id"]: Flight(
+        v["id"]: WingFlight(v, read_items(by_name[v["id"]]), ground, spec["mission"]["tolerance_m"])
+        if v["airframe"] == "vtol" else Flight(
             v, read_items(by_name[v["id"]]), ground, spec["mission"]["tolerance_m"],
             read_radius(by_name[v["id"]], v["autopilot"] == "ardupilot"),
         )
@@ -162,6 +167,7 @@ def main():
     parser = argparse.ArgumentParser(description="Holds `sortie review` against a second implementation.")
     parser.add_argument("--fleets", type=int, default=50, help="how many, at random over the Jacksboro fault")
     parser.add_argument("--seed", type=int, default=1, help="of the first of them; each has its own")
+    parser.add_argument("--wings", type=int, default=0, help="so many VTOLs of PX4 besides")
     parser.add_argument("--sortie", type=Path, default=ROOT / "target/debug/sortie")
     parser.add_argument("--keep", type=Path, help="leave the fleets in this folder")
     parser.add_argument("--verbose", action="store_true", help="print every margin")
@@ -191,6 +197,13 @@ def main():
                 judge(f"fleet {number}", spec, files)
                 if number % PLANNED == 0:
                     judge(f"fleet {number} planned", *plan(spec, options.sortie))
+            copters = len(findings)
+            for number in range(options.seed, options.seed + options.wings):
+                folder = (options.keep or Path(scratch)) / f"wing-{number}"
+                folder.mkdir(parents=True, exist_ok=True)
+                (folder / terrain.name).write_bytes(terrain.read_bytes())
+                judge(f"wing {number}", *make_wing(np.random.default_rng([number, 2]), ground, folder))
+        print(f"compared of copters: {copters}, of VTOLs of PX4: {len(findings) - copters}; planes and ArduPlane are not")
     table(findings)
     sys.exit(not findings or not all(finding.agrees for finding in findings))
 

@@ -11,7 +11,8 @@
 //! # The flight model
 //!
 //! Complete, so that it can be written a second time from this text and the spec alone:
-//! `tools/check_missions.py` is that second one, and the two are held against each other.
+//! `tools/check_missions.py` is that second one, and the two are held against each other: copters in space
+//! and time, of wings VTOLs of PX4 in still air, in space alone.
 //!
 //! **Items.** Latitude and longitude are 1e-7 degrees, altitudes float32. ArduPilot keeps
 //! whole centimetres (cut off toward zero) and whole seconds of a waypoint's hold. Frames

@@ -17,7 +17,9 @@ fn dense_sampling_of_fifty_random_fleets_finds_what_the_verdict_reports() {
     let halves = [("1", "25"), ("26", "25")].map(|(first, fleets)| {
         Command::new(&python)
             .arg(&script)
-            .args(["--fleets", fleets, "--seed", first, "--sortie"])
+            .args([
+                "--fleets", fleets, "--wings", fleets, "--seed", first, "--sortie",
+            ])
             .arg(cargo_bin("sortie"))
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
