@@ -65,8 +65,25 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
             "DO_CHANGE_SPEED of kind {first} does not set the airspeed"
         )),
+        command::DO_CHANGE_SPEED if autopilot == Autopilot::ArduPilot => {
+            if (second + 2.0).abs() < 1e-6 {
+                return Ok(Order::OwnSpeed);
+            }
+            match is_ignored(second, mission) {
+                true => Ok(Order::Nothing),
+                false => item::read(item, autopilot, home),
+            }
+        }
         _ => item::read(item, autopilot, home),
     }
+}
+
+/// Whether ArduPlane ignores an airspeed, m/s: one outside of its limits, where the parameters have
+/// them (`Plane::do_change_speed`).
+fn is_ignored(airspeed_mps: f64, mission: &VehicleMission) -> bool {
+    let held = |name: &str| mission.param_si(name);
+    held("AIRSPEED_MIN").is_some_and(|least_mps| airspeed_mps < least_mps)
+        || held("AIRSPEED_MAX").is_some_and(|most_mps| airspeed_mps > most_mps)
 }
 
 fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
@@ -148,13 +165,52 @@ pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
 /// Whether the vehicle lands on rotors at a landing of planes: a VTOL of PX4 on its wing does, unless
 /// `NAV_FORCE_VT` is 0 (`Navigator::force_vtol`).
 fn forces_vtol(mission: &VehicleMission) -> bool {
-    let mut params = mission.params.iter();
-    let found = params.find(|param| param.name == "NAV_FORCE_VT");
-    mission.autopilot == Autopilot::Px4 && found.is_none_or(|param| param.value.abs() > 0.0)
+    let found = mission.param("NAV_FORCE_VT");
+    mission.autopilot == Autopilot::Px4 && found.is_none_or(|value| value.abs() > 0.0)
 }
 
 /// A radius from the parameters.
 pub(crate) fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
-    let found = mission.params.iter().find(|param| param.name == name)?;
-    Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)
+    let found = mission.param(name);
+    found.filter(|radius| radius.is_finite() && radius.abs() > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mission::{Home, Parameter};
+
+    #[test]
+    fn arduplane_ignores_an_airspeed_beyond_the_limits_of_its_parameters() {
+        let param = |name: &str, value: f32| Parameter {
+            name: name.to_owned(),
+            value,
+            why: String::new(),
+        };
+        let mut mission = VehicleMission {
+            autopilot: Autopilot::ArduPilot,
+            autopilot_version: None,
+            airframe: Airframe::Plane,
+            home: Home {
+                x: 363_000_000,
+                y: -842_500_000,
+                amsl_m: 400.0,
+            },
+            items: Vec::new(),
+            fence: Vec::new(),
+            is_fence_known: false,
+            rally: Vec::new(),
+            params: vec![param("AIRSPEED_MIN", 9.0), param("AIRSPEED_MAX", 22.0)],
+            notes: Vec::new(),
+        };
+        let obeys = |mission: &VehicleMission, speed_mps: f32| {
+            let item = Item::without_place(command::DO_CHANGE_SPEED, [0.0, speed_mps, -1.0, 0.0]);
+            matches!(read(&item, mission, Amsl(400.0)), Ok(Order::Speed { .. }))
+        };
+        let obeyed = [8.9, 9.0, 22.0, 22.1].map(|mps| obeys(&mission, mps));
+        assert_eq!(obeyed, [false, true, true, false]);
+        // ArduPlane until 4.4.
+        mission.params = vec![param("ARSPD_FBW_MAX", 15.0)];
+        assert_eq!([15.0, 15.1].map(|mps| obeys(&mission, mps)), [true, false]);
+    }
 }
