@@ -150,6 +150,7 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 1.0, Number),
     p("FENCE_ALT_MAX", 100.0, M),
+    p("FENCE_RADIUS", 300.0, M),
     p("FENCE_MARGIN", 2.0, M),
     until_4_7(p(COPTER_LEAN[1], 3000.0, CDeg)),
     since_4_7(p(COPTER_LEAN[0], 30.0, Deg)),
@@ -185,6 +186,8 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     // 0: WP_LOITER_RAD.
     p("RTL_RADIUS", 0.0, M),
     p("RTL_AUTOLAND", 0.0, Number),
+    // Above 0 a waypoint that is missed by more is circled.
+    p("WP_MAX_RADIUS", 0.0, M),
     p("FLIGHT_OPTIONS", 0.0, Number),
     p("FENCE_ENABLE", 0.0, Number),
     p("FENCE_TYPE", 7.0, Number),
@@ -235,6 +238,9 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("COM_DISARM_PRFLT", 10.0, S),
     p("RTL_RETURN_ALT", 60.0, M),
     int32(p("RTL_TYPE", 0.0, Number)),
+    // 0: none.
+    p("GF_MAX_HOR_DIST", 0.0, M),
+    p("GF_MAX_VER_DIST", 0.0, M),
     int32(p("RTL_CONE_ANG", 45.0, Deg)),
     p("RTL_MIN_DIST", 10.0, M),
     p("RTL_LAND_DELAY", 0.0, S),
@@ -343,6 +349,42 @@ pub fn name_in(name: &'static str, version: Option<Version>) -> &'static str {
     }
 }
 
+/// A fence that is no list of items: a ceiling and a circle around home, by parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct ParamFence {
+    /// Parameters that switch it on, each by itself; empty: it is on.
+    pub switches: &'static [&'static str],
+    /// The parameter of what it does; 0: nothing.
+    pub action: &'static str,
+    /// The parameter with a bit for each kind, and its default.
+    pub kinds: Option<(&'static str, u8)>,
+    /// Bit of the ceiling, and the parameter of its height above home.
+    pub ceiling: (u8, &'static str),
+    /// Bit of the circle, and the parameter of its radius.
+    pub circle: (u8, &'static str),
+}
+
+/// `AC_Fence`.
+pub(super) const ARDUCOPTER_FENCE: ParamFence = ParamFence {
+    switches: &["FENCE_ENABLE", "FENCE_AUTOENABLE"],
+    action: "FENCE_ACTION",
+    kinds: Some(("FENCE_TYPE", 7)),
+    ceiling: (1, "FENCE_ALT_MAX"),
+    circle: (2, "FENCE_RADIUS"),
+};
+pub(super) const ARDUPLANE_FENCE: ParamFence = ParamFence {
+    kinds: Some(("FENCE_TYPE", 4)),
+    ..ARDUCOPTER_FENCE
+};
+/// `Geofence::isCloserThanMaxDistToHome`, `Geofence::isBelowMaxAltitude`.
+pub(super) const PX4_FENCE: ParamFence = ParamFence {
+    switches: &[],
+    action: "GF_ACTION",
+    kinds: None,
+    ceiling: (1, "GF_MAX_VER_DIST"),
+    circle: (2, "GF_MAX_HOR_DIST"),
+};
+
 /// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that
 /// do not: where a mission comes with another value, its return is not known.
 pub(super) const COPTER_RETURNS: &[(&str, f64)] = &[("RTL_ALT_TYPE", 0.0)];
@@ -350,6 +392,7 @@ pub(super) const PLANE_RETURNS: &[(&str, f64)] = &[
     ("RTL_AUTOLAND", 0.0),
     ("RTL_CLIMB_MIN", 0.0),
     ("Q_RTL_MODE", 0.0),
+    ("TERRAIN_FOLLOW", 0.0),
 ];
 /// `RTL_LAND_DELAY` below 0 stays over home, and is read as such.
 pub(super) const PX4_RETURNS: &[(&str, f64)] = &[("RTL_TYPE", 0.0)];

@@ -19,5 +19,5 @@ pub(crate) use item::value_of;
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use params::{
     acceptance_m, as_set, corner_accel_mps2, corner_cut_m, cruise_speed_mps, is_lean_limit,
-    lean_limit_deg, parameters, placing_mps, turn_radius_m, within_airspeeds_mps,
+    lean_limit_deg, parameters, placing_mps, turn_radius_m, within_speeds_mps,
 };

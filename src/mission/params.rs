@@ -71,17 +71,15 @@ pub fn cruise_speed_mps(mission: &VehicleMission) -> Option<f64> {
         .defaults
         .cruise_parameter;
     let held = mission.param_si(name).filter(|mps| *mps > 0.0)?;
-    Some(within_airspeeds_mps(mission, held))
+    Some(within_speeds_mps(mission, held))
 }
 
-/// The speed that a vehicle flies where one is commanded, m/s: a wing keeps it within the airspeeds
-/// of its parameters, where the mission has them.
+/// The speed that a vehicle flies where one is commanded, m/s: it keeps it within the least and the
+/// greatest of its parameters, where the mission has them.
 #[must_use]
-pub fn within_airspeeds_mps(mission: &VehicleMission, speed_mps: f64) -> f64 {
-    let Some(names) = mission.facts().defaults.airspeed_parameters else {
-        return speed_mps;
-    };
-    let held = names.map(|name| mission.param_si(name).filter(|mps| *mps > 0.0));
+pub fn within_speeds_mps(mission: &VehicleMission, speed_mps: f64) -> f64 {
+    let names = mission.facts().defaults.speed_parameters;
+    let held = names.map(|name| mission.param_si(name?).filter(|mps| *mps > 0.0));
     let least_mps = held[0].unwrap_or(0.0);
     speed_mps
         .min(held[1].unwrap_or(f64::INFINITY))

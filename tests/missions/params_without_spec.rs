@@ -124,7 +124,7 @@ fn a_return_climbs_by_the_least_climb_and_stays_below_the_fence_of_the_parameter
         ("RTL_ALT,1000\nRTL_CLIMB_MIN,10000\n", "650.0 m"),
         ("RTL_ALT_M,10\nRTL_CLIMB_MIN_M,100\n", "650.0 m"),
         (
-            "RTL_ALT,8000\nFENCE_ENABLE,1\nFENCE_ALT_MAX,60\n",
+            "RTL_ALT,8000\nFENCE_ENABLE,1\nFENCE_ALT_MAX,60\nFENCE_TYPE,5\n",
             "558.0 m",
         ),
         (
@@ -134,10 +134,6 @@ fn a_return_climbs_by_the_least_climb_and_stays_below_the_fence_of_the_parameter
         (
             "RTL_ALT,8000\nFENCE_ENABLE,0\nFENCE_ALT_MAX,60\n",
             "580.0 m",
-        ),
-        (
-            "RTL_ALT,8000\nFENCE_ENABLE,1\nFENCE_ALT_MAX,40\n",
-            "550.0 m",
         ),
     ] {
         let (code, said) = review(params, &ceiling);
@@ -215,6 +211,146 @@ fn a_copter_climbs_and_descends_and_accelerates_as_the_parameters_next_to_it_say
         let late_s = end_s(&format!("RTL_ALT,3000\n{slow}")) - stock_s;
         assert!((late_s - 111.2).abs() < 3.0, "{slow} {late_s}");
     }
+}
+
+#[test]
+fn a_mission_beyond_the_fence_of_its_parameters_is_not_accepted() {
+    let land = RETURN.replace(
+        "3\t0\t3\t20\t0\t0\t0\t0\t0\t0",
+        "3\t0\t3\t21\t0\t0\t0\t0\t46.01\t8.0",
+    );
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    let on = "FENCE_ENABLE,1\n";
+    for (params, flags, passes) in [
+        (
+            format!("{on}FENCE_ALT_MAX,40\nFENCE_RADIUS,2000\n"),
+            &[][..],
+            false,
+        ),
+        (
+            format!("{on}FENCE_ALT_MAX,60\nFENCE_RADIUS,2000\n"),
+            &[],
+            true,
+        ),
+        (format!("{on}FENCE_RADIUS,1000\n"), &[], false),
+        // 300 m by default.
+        (on.to_owned(), &[], false),
+        (format!("{on}FENCE_TYPE,4\n"), &[], true),
+        (format!("{on}FENCE_ACTION,0\n"), &[], true),
+        ("FENCE_AUTOENABLE,1\n".to_owned(), &[], false),
+        ("FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n".to_owned(), &[], true),
+        (
+            format!("{on}FENCE_TYPE,3\nFENCE_ALT_MAX,40\n"),
+            &plane,
+            false,
+        ),
+        (on.to_owned(), &plane, true),
+    ] {
+        let mission = if flags.is_empty() { &land } else { RETURN };
+        let (code, said, _) = flown_from(mission, &params, flags);
+        assert_eq!(code == Some(0), passes, "{params} {flags:?}: {said}");
+        assert!(passes || said.contains("fence of the parameters"), "{said}");
+    }
+    let px4 = ["--autopilot", "px4"];
+    for (params, passes) in [
+        ("1\t1\tGF_MAX_VER_DIST\t40\t9\n", false),
+        ("1\t1\tGF_MAX_VER_DIST\t0\t9\n", true),
+        ("1\t1\tGF_MAX_HOR_DIST\t1000\t9\n", false),
+        (
+            "1\t1\tGF_MAX_HOR_DIST\t1000\t9\n1\t1\tGF_ACTION\t0\t6\n",
+            true,
+        ),
+    ] {
+        let (code, said, _) = flown_from(&for_px4("46.01"), params, &px4);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+    }
+}
+
+#[test]
+fn of_a_parameter_that_stands_twice_the_last_value_counts_and_two_names_must_agree() {
+    let ceiling = ["--max-amsl", "600"];
+    let (code, said) = review("RTL_ALT,1500\nRTL_ALT,30000\n", &ceiling);
+    assert_eq!(code, Some(4), "{said}");
+    let (code, said) = review("rtl_alt,30000\n", &ceiling);
+    assert_eq!(code, Some(4), "{said}");
+    let (code, said) = review("RTL_ALT,8000\nRTL_ALT_M,80\n", &ceiling);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = review("RTL_ALT,1500\nRTL_ALT_M,300\n", &ceiling);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(
+        said.contains("RTL_ALT and RTL_ALT_M are names of one parameter"),
+        "{said}"
+    );
+}
+
+#[test]
+fn parameters_are_found_next_to_a_mission_by_the_names_that_ground_stations_give() {
+    for name in ["m.params", "m.param", "m.parm"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("m.waypoints"), RETURN).expect("written");
+        fs::write(folder.path().join(name), "RTL_ALT,30000\n").expect("written");
+        let flags = ["--no-terrain", "--airframe", "copter", "--max-amsl", "600"];
+        let output = sortie(
+            folder.path(),
+            &[&["review", "m.waypoints"][..], &flags].concat(),
+        );
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{name}: {said}");
+        assert!(!said.contains("no parameters"), "{said}");
+    }
+}
+
+#[test]
+fn a_wing_that_its_parameters_lead_elsewhere_is_not_judged() {
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    for (params, passes) in [
+        (
+            "WP_MAX_RADIUS,0\nTERRAIN_FOLLOW,0\nFLIGHT_OPTIONS,8\nRTL_AUTOLAND,0\n",
+            true,
+        ),
+        ("WP_MAX_RADIUS,20\n", false),
+        ("TERRAIN_FOLLOW,1\n", false),
+        ("FLIGHT_OPTIONS,24\n", false),
+        ("RTL_AUTOLAND,2\n", false),
+        ("RTL_CLIMB_MIN,30\n", false),
+    ] {
+        let (code, said, _) = flown_from(RETURN, params, &plane);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+        assert!(
+            passes || said.contains("cannot judge from item"),
+            "{params}: {said}"
+        );
+    }
+    let vtol = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n1\t0\t3\t84\t0\t0\t0\t0\t46.0\t8.0\t50\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.01\t8.0\t50\t1\n3\t0\t3\t85\tSPIRAL\t0\t0\t0\t46.02\t8.0\t0\t1\n";
+    for (param1, passes) in [("0", true), ("1", false)] {
+        let mission = vtol.replace("SPIRAL", param1);
+        let (code, said, _) = flown_from(&mission, "", &["--airframe", "vtol"]);
+        assert_eq!(code == Some(0), passes, "{param1}: {said}");
+    }
+}
+
+#[test]
+fn a_px4_copter_flies_no_faster_than_its_greatest_speed() {
+    let px4 = ["--autopilot", "px4"];
+    let end_s = |params: &str| {
+        let (_, _, trajectory) = flown_from(&for_px4("46.01"), params, &px4);
+        trajectory
+            .last()
+            .expect("segments")
+            .to_t_s
+            .expect("a landing")
+    };
+    let held = end_s("1\t1\tMPC_XY_CRUISE\t9\t9\n1\t1\tMPC_XY_VEL_MAX\t4\t9\n");
+    assert!((held - end_s("1\t1\tMPC_XY_CRUISE\t4\t9\n")).abs() < 1e-6);
+    assert!(held > end_s("1\t1\tMPC_XY_CRUISE\t9\t9\n") + 100.0);
+}
+
+#[test]
+fn altitudes_above_ground_need_the_terrain_of_the_vehicle() {
+    let over_ground = RETURN.replace("2\t0\t3\t16", "2\t0\t10\t16");
+    let (code, said, _) = flown_from(&over_ground, "TERRAIN_ENABLE,0\n", &[]);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(said.contains("TERRAIN_ENABLE is 0"), "{said}");
 }
 
 /// `Plane::do_change_speed` ignores an airspeed beyond its limits, -2 is that of the parameters

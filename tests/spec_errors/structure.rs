@@ -88,7 +88,7 @@ fn a_file_of_another_kind_is_named_as_what_it_is() {
         ("", "nothing"),
     ] {
         let issues = issues(text);
-        let message = issues[0].to_string();
+        let message = format!("{}{}", issues[0].found, issues[0].allowed);
         assert_eq!(issues.len(), 1, "{issues:?}");
         assert!(message.contains(kind) && message.len() < 250, "{message}");
         assert!(

@@ -5,6 +5,7 @@ mod airframe;
 mod assumed;
 mod flags;
 mod given;
+mod rates;
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ use crate::world::{Bounds, Terrain, World, read_terrain};
 
 use airframe::airframe;
 pub(crate) use given::keep_given;
+pub(crate) use rates::judge_rates;
 
 /// Positions further than this from the first one are not part of the area, degrees.
 const NEAR_DEG: f64 = 2.0;
@@ -269,10 +271,9 @@ fn speed_mps(
         let per_si = parameter(name)?.unit.per_si();
         Some(mission::value_of(params, name)? / per_si)
     };
-    let [least_mps, most_mps] = match defaults.airspeed_parameters {
-        Some([least, most]) => [held(least).unwrap_or(0.0), held(most).unwrap_or(100.0)],
-        None => [0.0, 100.0],
-    };
+    let [least, most] = defaults.speed_parameters;
+    let least_mps = least.and_then(held).unwrap_or(0.0);
+    let most_mps = most.and_then(held).unwrap_or(100.0);
     let in_mission = { changes }
         .map(|item| f64::from(item.params[1]))
         .find(|mps| (0.5..=100.0).contains(mps) && (least_mps..=most_mps.min(100.0)).contains(mps));

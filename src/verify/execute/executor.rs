@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use crate::autopilot::Cornering;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{
-    VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps, within_airspeeds_mps,
+    VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps, within_speeds_mps,
 };
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
@@ -216,7 +216,7 @@ impl Pilot<'_> {
         match step.order {
             Order::Nothing => {}
             Order::Speed { speed_mps } => {
-                self.speed_mps = Some(within_airspeeds_mps(mission, speed_mps));
+                self.speed_mps = Some(within_speeds_mps(mission, speed_mps));
             }
             Order::OwnSpeed => self.speed_mps = cruise_speed_mps(mission),
             Order::Wait { hold_s } if !self.airborne => {

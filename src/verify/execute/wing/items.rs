@@ -19,6 +19,9 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
     match item.command {
         command::NAV_VTOL_TAKEOFF if is_vtol => takeoff(item, autopilot, home),
         command::NAV_TAKEOFF if !is_vtol => takeoff(item, autopilot, home),
+        command::NAV_VTOL_LAND if is_vtol && autopilot == Autopilot::ArduPilot && is_one(first) => {
+            Err("param1 1 comes down on a spiral on the wing".to_owned())
+        }
         command::NAV_VTOL_LAND if is_vtol => landing(item, autopilot, home),
         command::NAV_LAND if !is_vtol || forces_vtol(mission) => landing(item, autopilot, home),
         command::NAV_TAKEOFF | command::NAV_VTOL_TAKEOFF => {
@@ -30,6 +33,13 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         // ArduPlane drops the hold; PX4 circles for so long and leaves on no known course.
         command::NAV_WAYPOINT if autopilot == Autopilot::Px4 && first > 0.0 => {
             Err("a hold, on a wing, circles".to_owned())
+        }
+        command::NAV_WAYPOINT
+            if mission
+                .param("WP_MAX_RADIUS")
+                .is_some_and(|radius_m| radius_m > 0.0) =>
+        {
+            Err("WP_MAX_RADIUS makes it circle a waypoint that it misses by more".to_owned())
         }
         command::NAV_WAYPOINT if third.abs() > 0.0 => {
             Err(format!("param3 leads past the waypoint by {third} m"))
@@ -76,6 +86,10 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         }
         _ => item::read(item, autopilot, home),
     }
+}
+
+fn is_one(param: f64) -> bool {
+    (param.trunc() - 1.0).abs() < 0.5
 }
 
 /// Whether ArduPlane ignores an airspeed, m/s: one outside of its limits, where the parameters have
