@@ -81,7 +81,7 @@ pub fn read(text: &str) -> Result<Vec<Parameter>, ParamsError> {
 
 fn lines(text: &str) -> Result<Vec<Parameter>, ParamsError> {
     let mut params: Vec<Parameter> = Vec::new();
-    let mut places: HashMap<String, usize> = HashMap::new();
+    let mut index_of: HashMap<String, usize> = HashMap::new();
     let mut why = "";
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -112,10 +112,10 @@ fn lines(text: &str) -> Result<Vec<Parameter>, ParamsError> {
             line: index + 1,
             text: line.chars().take(80).collect(),
         })?;
-        match places.entry(found.name.clone()) {
-            Entry::Occupied(place) => params[*place.get()] = found,
-            Entry::Vacant(place) => {
-                place.insert(params.len());
+        match index_of.entry(found.name.clone()) {
+            Entry::Occupied(index) => params[*index.get()] = found,
+            Entry::Vacant(index) => {
+                index.insert(params.len());
                 params.push(found);
             }
         }

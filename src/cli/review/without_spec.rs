@@ -61,14 +61,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         return Err(Failure::new(Failure::USAGE, message));
     }
     let mut assumed = Vec::new();
-    let documents = subjects.iter().map(|subject| &subject.document);
-    let positions: Vec<LatLon> = documents.flat_map(positions).collect();
-    // Without any position there is nothing to fly, and the verdict fails anywhere.
-    let middle = positions.first().copied().unwrap_or(LatLon {
-        lat_deg: 0.0,
-        lon_deg: 0.0,
-    });
-    let corners = corners(middle, &positions);
+    let corners = around_positions(&subjects);
     let mut whole: Option<(MissionSpec, String)> = None;
     let mut vehicles = Vec::new();
     let mut missions = Vec::new();
@@ -118,6 +111,18 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         missions,
         assumed,
     })
+}
+
+/// The corners of a box around all positions.
+fn around_positions(subjects: &[Subject]) -> (LatLon, LatLon) {
+    let documents = subjects.iter().map(|subject| &subject.document);
+    let positions: Vec<LatLon> = documents.flat_map(positions).collect();
+    // Without any position there is nothing to fly, and the verdict fails anywhere.
+    let middle = positions.first().copied().unwrap_or(LatLon {
+        lat_deg: 0.0,
+        lon_deg: 0.0,
+    });
+    corners(middle, &positions)
 }
 
 /// Home first, then every item with a position.
