@@ -37,7 +37,7 @@ pub(crate) fn inside(profile: &Profile, mission: &VehicleMission) -> Option<(usi
 fn fence(profile: &Profile, mission: &VehicleMission) -> Option<Fence> {
     let names = profile.facts.param_fence;
     let is_set = |name: &&str| mission.param(name).is_some_and(|value| value.abs() > 0.0);
-    let is_on = names.switches.is_empty() || names.switches.iter().any(|name| is_set(name));
+    let is_on = names.switches.is_empty() || names.switches.iter().any(is_set);
     let acts = mission
         .param(names.action)
         .is_none_or(|value| value.abs() > 0.0);
