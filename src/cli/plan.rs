@@ -256,6 +256,7 @@ fn print_result(
     }
     if let Some(delivery) = delivery {
         delivery.print_failures()?;
+        delivery.warn();
     }
     for line in given_way(file, dispatched) {
         out(&paint.dim(&format!("note: {line}")))?;

@@ -24,6 +24,7 @@ pub use document::{FlightDocument, flight_json};
 pub use error::FlightError;
 pub use event::{AlarmMark, Event};
 pub use launch::plan::{FlightPlan, refuse_shared_sysids};
+pub(crate) use launch::readiness::STANDS_M;
 pub use page::flight_page;
 pub use record::interrupted::Interrupted;
 pub use record::journal::Journal;

@@ -40,6 +40,12 @@ fn box_misses((low, high): (Point, Point), (a, b): (Point, Point)) -> bool {
 /// Distance between a point and the segment from `a` to `b`.
 #[must_use]
 pub fn point_segment_distance(point: Point, a: Point, b: Point) -> f64 {
+    let [x, y] = from_segment(point, (a, b));
+    x.hypot(y)
+}
+
+/// The way to a point from the nearest of the segment from `a` to `b`.
+fn from_segment(point: Point, (a, b): (Point, Point)) -> Point {
     let along = minus(b, a);
     let from = minus(point, a);
     let square = dot(along, along);
@@ -48,7 +54,7 @@ pub fn point_segment_distance(point: Point, a: Point, b: Point) -> f64 {
     } else {
         0.0
     };
-    (from[0] - fraction * along[0]).hypot(from[1] - fraction * along[1])
+    [from[0] - fraction * along[0], from[1] - fraction * along[1]]
 }
 
 /// The point of the segment from `a` to `b` that is nearest to a point.

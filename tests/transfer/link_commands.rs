@@ -159,6 +159,33 @@ fn is_a_capture(bytes: &[u8]) {
 }
 
 #[test]
+fn a_vehicle_far_from_the_home_of_its_mission_is_warned_of() {
+    let folder = planned();
+    let folder = folder.path();
+    let elsewhere = tempfile::tempdir().expect("a temporary folder");
+    let moved = SPEC.replace("lat: 36.29, lon: -84.265", "lat: 36.30, lon: -84.265");
+    assert_ne!(moved, SPEC);
+    fs::write(elsewhere.path().join("pair.yaml"), moved).expect("the spec is written");
+    let fleet = Fleet::start(elsewhere.path(), 2, &[]);
+    let links: Vec<String> = (["alpha", "bravo"].iter().zip(&fleet.links))
+        .map(|(id, link)| format!("{id}={link}"))
+        .collect();
+    let upload = ["upload", "out", "--link", &links[0], "--link", &links[1]];
+    let output = sortie(folder, &upload);
+    let warnings = text(&output.stderr);
+    assert!(output.status.success(), "{warnings}");
+    let expected = "warning: alpha stands 1.1 km from the home of its mission: fly refuses that (allowed: 15 m)";
+    assert!(warnings.contains(expected), "{warnings}");
+    assert!(!warnings.contains("bravo"), "{warnings}");
+    let record = fs::read(folder.join("out.runs/upload.json")).expect("the record");
+    let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
+    let away_m = |n: usize| record["vehicles"][n]["from_home_m"].as_f64();
+    // A hundredth of a degree of latitude.
+    assert!(away_m(0).is_some_and(|away_m| (1105.0..1115.0).contains(&away_m)));
+    assert!(away_m(1).is_some_and(|away_m| away_m < 1.0));
+}
+
+#[test]
 fn several_vehicles_on_a_link_must_be_told_apart_and_a_failure_leaves_no_file() {
     let folder = planned();
     let folder = folder.path();

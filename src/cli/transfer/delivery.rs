@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 
 use crate::cli::folder::replace;
 use crate::cli::folder::runs;
-use crate::cli::print::console::{Paint, out_lines};
+use crate::cli::print::console::{Paint, note, out_lines};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table::Rows;
+use crate::flight::STANDS_M;
 use crate::link::{TransferReport, Verdict};
 use crate::report::json_text;
 
@@ -77,6 +78,7 @@ impl Delivery {
                     "retries": report.retries,
                     "seconds": report.seconds,
                     "hash": report.hash,
+                    "from_home_m": report.from_home_m,
                     "plan_ids": report.plan_ids,
                     "verdict": verdict,
                     "reason": reason,
@@ -127,6 +129,23 @@ impl Delivery {
         }
         rows.print()?;
         self.print_failures()
+    }
+
+    /// Warns of vehicles that stand where their missions do not begin.
+    pub(crate) fn warn(&self) {
+        for (report, away_m) in self.reports.iter().filter_map(|report| {
+            let away_m = report.from_home_m.filter(|away_m| *away_m > STANDS_M)?;
+            Some((report, away_m))
+        }) {
+            let away = match away_m {
+                near if near < 1000.0 => format!("{near:.0} m"),
+                far => format!("{:.1} km", far / 1000.0),
+            };
+            let id = &report.vehicle;
+            note(&format!(
+                "warning: {id} stands {away} from the home of its mission: fly refuses that (allowed: {STANDS_M:.0} m)"
+            ));
+        }
     }
 
     /// Prints why each of the failed transfers did.

@@ -67,6 +67,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let tlog = arguments.tlog.as_deref();
     let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
     delivery.record(&target)?;
+    delivery.warn();
     if arguments.json {
         out_json(&delivery.json())?;
     } else {

@@ -132,6 +132,12 @@ impl Command {
         Self::new(Self::REQUEST_MESSAGE, [148.0])
     }
 
+    /// Asks for `GLOBAL_POSITION_INT`.
+    #[must_use]
+    pub fn request_position() -> Self {
+        Self::new(Self::REQUEST_MESSAGE, [33.0])
+    }
+
     /// A command with its first parameters; the others are 0.
     #[must_use]
     pub fn new<const N: usize>(command: u16, first: [f32; N]) -> Self {

@@ -38,6 +38,8 @@ pub struct TransferReport {
     pub seconds: f64,
     /// SHA-256 over the items held (see [`hash`]); empty unless verified.
     pub hash: String,
+    /// How far the vehicle stands from the home of its mission, metres; none if it did not say.
+    pub from_home_m: Option<f64>,
     /// Whether the vehicle holds exactly the items sent.
     pub verdict: Verdict,
     /// Every difference between the items sent and read back.
@@ -278,6 +280,7 @@ impl TransferReport {
             retries: 0,
             seconds: 0.0,
             hash: String::new(),
+            from_home_m: None,
             verdict,
             differences: Vec::new(),
             statustexts: Vec::new(),

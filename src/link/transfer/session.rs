@@ -20,6 +20,7 @@ use super::identity;
 use super::order::Order;
 use super::report::{Failure, TransferReport, Verdict};
 use super::task::Task;
+use crate::geodesy::LatLon;
 use crate::link::codec::Version;
 use crate::link::message::flight::{Command, FlightMessage};
 use crate::link::message::{Address, Heartbeat, List, Message, MissionResult};
@@ -87,6 +88,8 @@ pub struct Session<'a> {
     boot: Boot,
     software: String,
     version_requests: u32,
+    /// Where the vehicle last said that it is.
+    place: Option<LatLon>,
     differences: Vec<Difference>,
     texts: Vec<String>,
     /// Text of the vehicle on a mission that it holds and will not fly.
@@ -140,6 +143,7 @@ impl<'a> Session<'a> {
             boot: Boot::default(),
             software: String::new(),
             version_requests: 0,
+            place: None,
             differences: Vec::new(),
             texts: Vec::new(),
             rejection: None,
@@ -172,6 +176,9 @@ impl<'a> Session<'a> {
                 self.version_requests = MAX_VERSION_REQUESTS;
             }
             Message::Flight(FlightMessage::Position(position)) if self.is_of_autopilot(from) => {
+                if position.is_known() {
+                    self.place = Some(position.place());
+                }
                 if self.boot.is_restart(position.boot_ms) {
                     self.restarted(now);
                 }
@@ -310,15 +317,16 @@ impl<'a> Session<'a> {
         self.vehicle.is_some_and(|(vehicle, _)| vehicle == from)
     }
 
-    /// Requests the software version of the vehicle. Nothing waits for the answer.
+    /// Requests the software version of the vehicle, and where it is. Nothing waits for the answers.
     fn request_version(&mut self) {
         if let (Some((target, _)), true) =
             (self.vehicle, self.version_requests < MAX_VERSION_REQUESTS)
         {
             self.version_requests += 1;
-            let order = Command::request_version();
-            let request = FlightMessage::Command { target, order };
-            self.outbox.push_back(Message::Flight(request));
+            for order in [Command::request_version(), Command::request_position()] {
+                let request = FlightMessage::Command { target, order };
+                self.outbox.push_back(Message::Flight(request));
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! Polygons.
 
-use super::{Point, box_misses, cross, dot, doubled_area, minus, point_segment_distance};
+use super::{Point, box_misses, cross, dot, doubled_area, from_segment, minus};
 
 /// A closed polygon, possibly concave, turned counter-clockwise.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,9 +88,17 @@ impl Ring {
     /// Distance between a point and the boundary.
     #[must_use]
     pub fn boundary_distance(&self, point: Point) -> f64 {
-        self.edges()
-            .map(|(a, b)| point_segment_distance(point, a, b))
-            .fold(f64::INFINITY, f64::min)
+        /// Squares are rounded otherwise than distances: those so near to the least are compared as these.
+        const ROUNDED: f64 = 1.0 + 1e-9;
+        let (mut least, mut most_square) = (f64::INFINITY, f64::INFINITY);
+        for edge in self.edges() {
+            let [x, y] = from_segment(point, edge);
+            if x * x + y * y <= most_square {
+                least = x.hypot(y).min(least);
+                most_square = ROUNDED * least * least;
+            }
+        }
+        least
     }
 
     /// How much of the segment from `a` to `b` lies inside, counting only its

@@ -38,6 +38,9 @@ fn corridors_at(context: &RouteContext<'_>, nodes: usize) -> Option<HomotopyClas
         .iter()
         .fold(0.0, |most: f64, berth_m| most.max(*berth_m));
     let space = FreeSpace::new(context, grid, reach_m);
+    if !space.connects(start, goal) {
+        return None;
+    }
     let fields: Vec<Field> = berths_m
         .par_iter()
         .map(|berth_m| space.field(context, context.slope(), *berth_m))

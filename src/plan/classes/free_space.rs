@@ -181,6 +181,41 @@ impl FreeSpace {
         }
     }
 
+    /// Whether any path leads from one place to another through free space: every move between
+    /// nodes passes only nodes beside each other.
+    pub(crate) fn connects(&self, from: EastNorth, to: EastNorth) -> bool {
+        const AROUND: [(isize, isize); 8] = [
+            (1, 0),
+            (0, 1),
+            (-1, 0),
+            (0, -1),
+            (1, 1),
+            (-1, 1),
+            (1, -1),
+            (-1, -1),
+        ];
+        let grid = &self.grid;
+        let (first, last) = (grid.nearest(from), grid.nearest(to));
+        let mut is_new: Vec<bool> = self.clearance_m.iter().map(|m| *m > 0.0).collect();
+        let mut open = Vec::new();
+        if std::mem::take(&mut is_new[first]) {
+            open.push(first);
+        }
+        while let Some(node) = open.pop() {
+            if node == last {
+                return true;
+            }
+            for step in AROUND {
+                if let Some(next) = grid.step(node, step)
+                    && std::mem::take(&mut is_new[next])
+                {
+                    open.push(next);
+                }
+            }
+        }
+        false
+    }
+
     /// Whether a path of a class of [`FreeSpace::field`] keeps to free space.
     pub(crate) fn is_free(&self, cost: f64) -> bool {
         cost < 0.25 * CLOSED * self.grid.spacing_m / 1000.0

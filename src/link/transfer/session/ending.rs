@@ -1,6 +1,7 @@
 //! The report.
 
 use super::{Session, Stage};
+use crate::geodesy::LatLon;
 use crate::link::codec::Version;
 use crate::link::message::{Body, MissionResult};
 use crate::link::time::Time;
@@ -50,6 +51,10 @@ impl Session<'_> {
             } else {
                 String::new()
             },
+            from_home_m: self.place.map(|place| {
+                let home = &self.order.mission.home;
+                LatLon::of_e7(home.x, home.y).chord_m(place)
+            }),
             differences: std::mem::take(&mut self.differences),
             statustexts: std::mem::take(&mut self.texts),
             ..TransferReport::nothing(
