@@ -267,9 +267,13 @@ pub(super) static ARDUCOPTER: Facts = Facts {
         return_to_launch: mode("RTL", 6),
     },
     parameters: &[parameters::ARDUCOPTER],
-    // WPNAV_SPEED, WPNAV_SPEED_UP, WPNAV_SPEED_DN, WPNAV_ACCEL.
+    param_fence: parameters::ARDUCOPTER_FENCE,
+    returns_with: parameters::COPTER_RETURNS,
     defaults: Defaults {
         cruise_parameter: "WPNAV_SPEED",
+        speed_parameters: [None; 2],
+        rate_parameters: None,
+        motion_parameters: Some(["WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL"]),
         climb_mps: 2.5,
         descent_mps: 1.5,
         accel_mps2: 2.5,
@@ -306,9 +310,14 @@ pub(super) static ARDUPLANE: Facts = Facts {
         return_to_launch: mode("RTL", 11),
     },
     parameters: &[parameters::ARDUPLANE],
+    param_fence: parameters::ARDUPLANE_FENCE,
+    returns_with: parameters::PLANE_RETURNS,
     // TECS_CLMB_MAX, TECS_SINK_MAX; no parameter has the acceleration of a takeoff run.
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",
+        speed_parameters: [Some("AIRSPEED_MIN"), Some("AIRSPEED_MAX")],
+        rate_parameters: Some(["TECS_CLMB_MAX", "TECS_SINK_MAX"]),
+        motion_parameters: None,
         climb_mps: 5.0,
         descent_mps: 5.0,
         accel_mps2: 3.0,
@@ -347,9 +356,14 @@ pub(super) static QUADPLANE: Facts = Facts {
         ..ARDUPLANE.modes
     },
     parameters: &[parameters::ARDUPLANE, parameters::QUADPLANE],
+    param_fence: parameters::ARDUPLANE_FENCE,
+    returns_with: parameters::PLANE_RETURNS,
     // Climb and descent on rotors are slower than on the wing.
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",
+        speed_parameters: [Some("AIRSPEED_MIN"), Some("AIRSPEED_MAX")],
+        rate_parameters: Some(["TECS_CLMB_MAX", "TECS_SINK_MAX"]),
+        motion_parameters: None,
         ..ARDUCOPTER.defaults
     },
     behaviour: Behaviour {

@@ -34,6 +34,10 @@ pub mod command {
     pub const CONDITION_YAW: u16 = 115;
     /// Jump to another item.
     pub const DO_JUMP: u16 = 177;
+    /// `MAV_CMD_JUMP_TAG`.
+    pub const JUMP_TAG: u16 = 600;
+    /// `MAV_CMD_DO_JUMP_TAG`.
+    pub const DO_JUMP_TAG: u16 = 601;
     /// Change the speed.
     pub const DO_CHANGE_SPEED: u16 = 178;
     /// Switch a relay.

@@ -40,7 +40,10 @@ pub use commands::{
 pub use corner::{CornerLaw, Cornering, Stops, Turn};
 pub use mavlink::{command, frame};
 pub use modes::{Mode, Modes, mode_name};
-pub use parameters::{COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, Unit, other_name, parameter};
+pub use parameters::{
+    COPTER_LEAN, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit, in_unit_of, name_in,
+    other_name, parameter,
+};
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};
 pub use version::{InvalidVersion, Version, VersionRange};
@@ -126,6 +129,13 @@ pub struct Conventions {
 pub struct Defaults {
     /// The parameter that sets the cruise speed.
     pub cruise_parameter: &'static str,
+    /// The parameters of the least and the greatest speed, which hold whatever is commanded.
+    pub speed_parameters: [Option<&'static str>; 2],
+    /// The parameters of the greatest climb and descent on a wing.
+    pub rate_parameters: Option<[&'static str; 2]>,
+    /// The parameters that set climb, descent and acceleration, in this order: not of a wing, where
+    /// they are limits.
+    pub motion_parameters: Option<[&'static str; 3]>,
     /// Climb, m/s.
     pub climb_mps: f64,
     /// Descent, m/s, positive.
@@ -159,6 +169,11 @@ pub struct Facts {
     pub modes: Modes,
     /// Parameters that a vehicle comes with.
     pub parameters: &'static [&'static [ParameterRow]],
+    /// The fence of its parameters.
+    pub param_fence: ParamFence,
+    /// Parameters that lead a return elsewhere than the verdict flies it, with the value of those
+    /// that do not.
+    pub returns_with: &'static [(&'static str, f64)],
     /// What it flies with unless the spec says otherwise.
     pub defaults: Defaults,
     /// How it flies around a waypoint where it slows down for one: not on a wing.

@@ -3,7 +3,7 @@
 //! Names and defaults as in ArduCopter and ArduPlane 4.6 and PX4 1.16 to 1.18. A parameter that a
 //! version renamed has a row for each name.
 
-use super::version::{VersionRange, version};
+use super::version::{Version, VersionRange, version};
 
 /// Unit of the number that an autopilot stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,60 +88,91 @@ const fn of(versions: VersionRange, row: ParameterRow) -> ParameterRow {
     ParameterRow { versions, ..row }
 }
 
+/// A name that 4.7 replaced, or that it began to have.
+const fn until_4_7(row: ParameterRow) -> ParameterRow {
+    of(VersionRange::before(version(4, 7)), row)
+}
+
+const fn since_4_7(row: ParameterRow) -> ParameterRow {
+    of(VersionRange::since(version(4, 7)), row)
+}
+
+/// A name of ArduPlane until 4.4.
+const fn until_4_5(row: ParameterRow) -> ParameterRow {
+    of(VersionRange::before(version(4, 5)), row)
+}
+
 use Unit::{CDeg, Cm, CmPs, CmPs2, Deg, M, Mps, Mps2, Ms, Number, S};
 
 /// ArduCopter.
 pub(super) const ARDUCOPTER: &[ParameterRow] = &[
-    p("WPNAV_SPEED", 1000.0, CmPs),
-    p("WPNAV_ACCEL", 250.0, CmPs2),
+    until_4_7(p("WPNAV_SPEED", 1000.0, CmPs)),
+    since_4_7(p("WP_SPD", 10.0, Mps)),
+    until_4_7(p("WPNAV_ACCEL", 250.0, CmPs2)),
+    since_4_7(p("WP_ACC", 2.5, Mps2)),
     // 0: twice WPNAV_ACCEL.
-    p("WPNAV_ACCEL_C", 0.0, CmPs2),
-    p("WPNAV_ACCEL_Z", 100.0, CmPs2),
-    p("WPNAV_SPEED_UP", 250.0, CmPs),
-    p("WPNAV_SPEED_DN", 150.0, CmPs),
-    p("WPNAV_RADIUS", 200.0, Cm),
-    p("CIRCLE_RADIUS", 1000.0, Cm),
+    until_4_7(p("WPNAV_ACCEL_C", 0.0, CmPs2)),
+    since_4_7(p("WP_ACC_CNR", 0.0, Mps2)),
+    until_4_7(p("WPNAV_ACCEL_Z", 100.0, CmPs2)),
+    since_4_7(p("WP_ACC_Z", 1.0, Mps2)),
+    until_4_7(p("WPNAV_SPEED_UP", 250.0, CmPs)),
+    since_4_7(p("WP_SPD_UP", 2.5, Mps)),
+    until_4_7(p("WPNAV_SPEED_DN", 150.0, CmPs)),
+    since_4_7(p("WP_SPD_DN", 1.5, Mps)),
+    until_4_7(p("WPNAV_RADIUS", 200.0, Cm)),
+    since_4_7(p("WP_RADIUS_M", 2.0, M)),
+    until_4_7(p("CIRCLE_RADIUS", 1000.0, Cm)),
+    since_4_7(p("CIRCLE_RADIUS_M", 10.0, M)),
     p("CIRCLE_RATE", 20.0, Deg),
-    p("LAND_SPEED_HIGH", 0.0, CmPs),
-    p("LAND_ALT_LOW", 1000.0, Cm),
-    p("LAND_SPEED", 50.0, CmPs),
+    until_4_7(p("LAND_SPEED_HIGH", 0.0, CmPs)),
+    since_4_7(p("LAND_SPD_HIGH_MS", 0.0, Mps)),
+    until_4_7(p("LAND_ALT_LOW", 1000.0, Cm)),
+    since_4_7(p("LAND_ALT_LOW_M", 10.0, M)),
+    until_4_7(p("LAND_SPEED", 50.0, CmPs)),
+    since_4_7(p("LAND_SPD_MS", 0.5, Mps)),
     // 0: LAND_SPEED.
     p("PLDP_SPEED_DN", 0.0, Mps),
     p("DISARM_DELAY", 10.0, S),
-    p("RTL_ALT", 1500.0, Cm),
+    until_4_7(p("RTL_ALT", 1500.0, Cm)),
+    since_4_7(p("RTL_ALT_M", 15.0, M)),
+    p("RTL_ALT_TYPE", 0.0, Number),
     p("RTL_CONE_SLOPE", 3.0, Number),
-    p("RTL_CLIMB_MIN", 0.0, Cm),
+    until_4_7(p("RTL_CLIMB_MIN", 0.0, Cm)),
+    since_4_7(p("RTL_CLIMB_MIN_M", 0.0, M)),
     p("RTL_LOIT_TIME", 5000.0, Ms),
-    p("RTL_ALT_FINAL", 0.0, Cm),
+    until_4_7(p("RTL_ALT_FINAL", 0.0, Cm)),
+    since_4_7(p("RTL_ALT_FINAL_M", 0.0, M)),
+    // 0: WPNAV_SPEED.
+    until_4_7(p("RTL_SPEED", 0.0, CmPs)),
+    since_4_7(p("RTL_SPEED_MS", 0.0, Mps)),
     p("FENCE_ENABLE", 0.0, Number),
+    p("FENCE_AUTOENABLE", 0.0, Number),
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 1.0, Number),
+    p("FENCE_ALT_MAX", 100.0, M),
+    p("FENCE_RADIUS", 300.0, M),
     p("FENCE_MARGIN", 2.0, M),
-    of(
-        VersionRange::before(version(4, 7)),
-        p(COPTER_LEAN[1], 3000.0, CDeg),
-    ),
-    of(
-        VersionRange::since(version(4, 7)),
-        p(COPTER_LEAN[0], 30.0, Deg),
-    ),
+    until_4_7(p(COPTER_LEAN[1], 3000.0, CDeg)),
+    since_4_7(p(COPTER_LEAN[0], 30.0, Deg)),
 ];
 
 /// ArduPlane (defaults of L1 and slope also in `AP_L1_Control.cpp`, `ArduPlane/Parameters.cpp`).
 pub(super) const ARDUPLANE: &[ParameterRow] = &[
     p("AIRSPEED_CRUISE", 12.0, Mps),
+    until_4_5(p("TRIM_ARSPD_CM", 1200.0, CmPs)),
     p("AIRSPEED_MIN", 9.0, Mps),
+    until_4_5(p("ARSPD_FBW_MIN", 9.0, Mps)),
+    p("AIRSPEED_MAX", 22.0, Mps),
+    until_4_5(p("ARSPD_FBW_MAX", 22.0, Mps)),
     p("ROLL_LIMIT_DEG", 45.0, Deg),
+    until_4_5(p("LIM_ROLL_CD", 4500.0, CDeg)),
     p("NAVL1_PERIOD", 17.0, S),
     p("NAVL1_DAMPING", 0.75, Number),
     p("WP_RADIUS", 90.0, M),
     p("WP_LOITER_RAD", 60.0, M),
     // Whole metres; the smallest change of altitude that is spread along a leg.
-    of(
-        VersionRange::before(version(4, 7)),
-        p(SLOPE_MIN[1], 15.0, M),
-    ),
-    of(VersionRange::since(version(4, 7)), p(SLOPE_MIN[0], 15.0, M)),
+    until_4_7(p(SLOPE_MIN[1], 15.0, M)),
+    since_4_7(p(SLOPE_MIN[0], 15.0, M)),
     p("TECS_CLMB_MAX", 5.0, Mps),
     p("TECS_SINK_MAX", 5.0, Mps),
     p("TECS_HDEM_TCONST", 3.0, S),
@@ -151,6 +182,13 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     p("LAND_FLARE_SEC", 2.0, S),
     p("LAND_DISARMDELAY", 20.0, S),
     p("RTL_ALTITUDE", 100.0, M),
+    until_4_5(p("ALT_HOLD_RTL", 10_000.0, Cm)),
+    // 0: WP_LOITER_RAD.
+    p("RTL_RADIUS", 0.0, M),
+    p("RTL_AUTOLAND", 0.0, Number),
+    // Above 0 a waypoint that is missed by more is circled.
+    p("WP_MAX_RADIUS", 0.0, M),
+    p("FLIGHT_OPTIONS", 0.0, Number),
     p("FENCE_ENABLE", 0.0, Number),
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 0.0, Number),
@@ -171,8 +209,11 @@ pub const PX4_LEAN: &str = "MPC_TILTMAX_AIR";
 pub(super) const QUADPLANE: &[ParameterRow] = &[
     p("Q_ASSIST_SPEED", 0.0, Mps),
     p("Q_TRANS_DECEL", 2.0, Mps2),
-    p("Q_WP_SPEED_UP", 250.0, CmPs),
-    p("Q_WP_SPEED_DN", 150.0, CmPs),
+    until_4_7(p("Q_WP_SPEED_UP", 250.0, CmPs)),
+    since_4_7(p("Q_WP_SPD_UP", 2.5, Mps)),
+    until_4_7(p("Q_WP_SPEED_DN", 150.0, CmPs)),
+    since_4_7(p("Q_WP_SPD_DN", 1.5, Mps)),
+    p("Q_RTL_MODE", 0.0, Number),
     p("Q_LAND_FINAL_ALT", 6.0, M),
     p("Q_LAND_FINAL_SPD", 0.5, Mps),
 ];
@@ -196,7 +237,12 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("NAV_MC_ALT_RAD", 0.8, M),
     p("COM_DISARM_PRFLT", 10.0, S),
     p("RTL_RETURN_ALT", 60.0, M),
+    int32(p("RTL_TYPE", 0.0, Number)),
+    // 0: none.
+    p("GF_MAX_HOR_DIST", 0.0, M),
+    p("GF_MAX_VER_DIST", 0.0, M),
     int32(p("RTL_CONE_ANG", 45.0, Deg)),
+    p("RTL_MIN_DIST", 10.0, M),
     p("RTL_LAND_DELAY", 0.0, S),
     int32(p("GF_ACTION", 2.0, Number)),
 ];
@@ -205,6 +251,7 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
 pub(super) const PX4_WING: &[ParameterRow] = &[
     p("FW_AIRSPD_TRIM", 15.0, Mps),
     p("FW_AIRSPD_MIN", 10.0, Mps),
+    p("FW_AIRSPD_MAX", 20.0, Mps),
     p("FW_R_LIM", 50.0, Deg),
     p("FW_T_CLMB_MAX", 5.0, Mps),
     p("FW_T_CLMB_R_SP", 3.0, Mps),
@@ -242,17 +289,113 @@ pub fn parameter(name: &str) -> Option<&'static ParameterRow> {
     tables.into_iter().flatten().find(|row| row.name == name)
 }
 
+/// Parameters that a version renamed, the new name first. ArduPilot 4.7 left centimetres for metres
+/// (its wiki, `common-param-name-changes`), ArduPlane 4.5 hundredths (`Plane::load_parameters`).
+const RENAMED: &[[&str; 2]] = &[
+    SLOPE_MIN,
+    COPTER_LEAN,
+    ["WP_SPD", "WPNAV_SPEED"],
+    ["WP_SPD_UP", "WPNAV_SPEED_UP"],
+    ["WP_SPD_DN", "WPNAV_SPEED_DN"],
+    ["WP_ACC", "WPNAV_ACCEL"],
+    ["WP_ACC_CNR", "WPNAV_ACCEL_C"],
+    ["WP_ACC_Z", "WPNAV_ACCEL_Z"],
+    ["WP_RADIUS_M", "WPNAV_RADIUS"],
+    ["CIRCLE_RADIUS_M", "CIRCLE_RADIUS"],
+    ["LAND_SPD_MS", "LAND_SPEED"],
+    ["LAND_SPD_HIGH_MS", "LAND_SPEED_HIGH"],
+    ["LAND_ALT_LOW_M", "LAND_ALT_LOW"],
+    ["RTL_ALT_M", "RTL_ALT"],
+    ["RTL_ALT_FINAL_M", "RTL_ALT_FINAL"],
+    ["RTL_CLIMB_MIN_M", "RTL_CLIMB_MIN"],
+    ["RTL_SPEED_MS", "RTL_SPEED"],
+    ["Q_WP_SPD_UP", "Q_WP_SPEED_UP"],
+    ["Q_WP_SPD_DN", "Q_WP_SPEED_DN"],
+    ["AIRSPEED_CRUISE", "TRIM_ARSPD_CM"],
+    ["AIRSPEED_MIN", "ARSPD_FBW_MIN"],
+    ["AIRSPEED_MAX", "ARSPD_FBW_MAX"],
+    ["ROLL_LIMIT_DEG", "LIM_ROLL_CD"],
+    ["RTL_ALTITUDE", "ALT_HOLD_RTL"],
+];
+
 /// The other name of a parameter that a version renamed.
 #[must_use]
 pub fn other_name(name: &str) -> Option<&'static str> {
-    [SLOPE_MIN, COPTER_LEAN]
-        .into_iter()
-        .find_map(|[new, old]| match name {
-            _ if name == new => Some(old),
-            _ if name == old => Some(new),
-            _ => None,
-        })
+    RENAMED.iter().find_map(|[new, old]| match name {
+        _ if name == *new => Some(*old),
+        _ if name == *old => Some(*new),
+        _ => None,
+    })
 }
+
+/// What a value of one parameter is as a value of another: both names may be of one parameter, in
+/// different units.
+#[must_use]
+pub fn in_unit_of(value: f64, from: &str, to: &str) -> f64 {
+    let per_si = |name: &str| parameter(name).map_or(1.0, |row| row.unit.per_si());
+    value / per_si(from) * per_si(to)
+}
+
+/// The name of a parameter in a version, where that is known and renamed it.
+#[must_use]
+pub fn name_in(name: &'static str, version: Option<Version>) -> &'static str {
+    let has = |name: &str| {
+        let range = parameter(name).map(|row| row.versions);
+        version.is_none_or(|version| range.is_none_or(|range| range.contains(version)))
+    };
+    match other_name(name) {
+        Some(other) if !has(name) && has(other) => other,
+        _ => name,
+    }
+}
+
+/// A fence that is no list of items: a ceiling and a circle around home, by parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct ParamFence {
+    /// Parameters that switch it on, each by itself; empty: it is on.
+    pub switches: &'static [&'static str],
+    /// The parameter of what it does; 0: nothing.
+    pub action: &'static str,
+    /// The parameter with a bit for each kind, and its default.
+    pub kinds: Option<(&'static str, u8)>,
+    /// Bit of the ceiling, and the parameter of its height above home.
+    pub ceiling: (u8, &'static str),
+    /// Bit of the circle, and the parameter of its radius.
+    pub circle: (u8, &'static str),
+}
+
+/// `AC_Fence`.
+pub(super) const ARDUCOPTER_FENCE: ParamFence = ParamFence {
+    switches: &["FENCE_ENABLE", "FENCE_AUTOENABLE"],
+    action: "FENCE_ACTION",
+    kinds: Some(("FENCE_TYPE", 7)),
+    ceiling: (1, "FENCE_ALT_MAX"),
+    circle: (2, "FENCE_RADIUS"),
+};
+pub(super) const ARDUPLANE_FENCE: ParamFence = ParamFence {
+    kinds: Some(("FENCE_TYPE", 4)),
+    ..ARDUCOPTER_FENCE
+};
+/// `Geofence::isCloserThanMaxDistToHome`, `Geofence::isBelowMaxAltitude`.
+pub(super) const PX4_FENCE: ParamFence = ParamFence {
+    switches: &[],
+    action: "GF_ACTION",
+    kinds: None,
+    ceiling: (1, "GF_MAX_VER_DIST"),
+    circle: (2, "GF_MAX_HOR_DIST"),
+};
+
+/// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that
+/// do not: where a mission comes with another value, its return is not known.
+pub(super) const COPTER_RETURNS: &[(&str, f64)] = &[("RTL_ALT_TYPE", 0.0)];
+pub(super) const PLANE_RETURNS: &[(&str, f64)] = &[
+    ("RTL_AUTOLAND", 0.0),
+    ("RTL_CLIMB_MIN", 0.0),
+    ("Q_RTL_MODE", 0.0),
+    ("TERRAIN_FOLLOW", 0.0),
+];
+/// `RTL_LAND_DELAY` below 0 stays over home, and is read as such.
+pub(super) const PX4_RETURNS: &[(&str, f64)] = &[("RTL_TYPE", 0.0)];
 
 #[cfg(test)]
 mod tests {
@@ -273,5 +416,29 @@ mod tests {
                 row.name
             );
         }
+    }
+
+    #[test]
+    fn both_names_of_a_parameter_have_one_default_and_no_version() {
+        for [new, old] in RENAMED {
+            let [new_row, old_row] = [new, old].map(|name| parameter(name).expect("a row"));
+            assert!(
+                (new_row.default_si() - old_row.default_si()).abs() < 1e-6,
+                "{new} {old}"
+            );
+            for minor in 0..9 {
+                let at = version(4, minor);
+                assert!(
+                    !(old_row.versions.contains(at) && new_row.versions.contains(at)) || minor < 5,
+                    "{new} {old} {at}"
+                );
+                assert_eq!(other_name(new), Some(*old));
+                assert_eq!(other_name(old), Some(*new));
+            }
+        }
+        assert_eq!(name_in("WPNAV_SPEED", Some(version(4, 7))), "WP_SPD");
+        assert_eq!(name_in("WPNAV_SPEED", Some(version(4, 6))), "WPNAV_SPEED");
+        assert_eq!(name_in("WPNAV_SPEED", None), "WPNAV_SPEED");
+        assert!((in_unit_of(12.5, "WP_SPD", "WPNAV_SPEED") - 1250.0).abs() < 1e-9);
     }
 }

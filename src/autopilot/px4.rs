@@ -137,9 +137,13 @@ pub(super) static COPTER: Facts = Facts {
     stored: &[stored_form::PX4],
     modes: MODES,
     parameters: &[parameters::PX4_ROTORS],
-    // MPC_Z_V_AUTO_UP, MPC_Z_V_AUTO_DN, MPC_ACC_HOR.
+    param_fence: parameters::PX4_FENCE,
+    returns_with: parameters::PX4_RETURNS,
     defaults: Defaults {
         cruise_parameter: "MPC_XY_CRUISE",
+        speed_parameters: [None, Some("MPC_XY_VEL_MAX")],
+        rate_parameters: None,
+        motion_parameters: Some(["MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_HOR"]),
         climb_mps: 3.0,
         descent_mps: 1.5,
         accel_mps2: 3.0,
@@ -167,6 +171,9 @@ pub(super) static PLANE: Facts = Facts {
     // FW_T_CLMB_MAX, FW_T_SINK_MAX; no parameter has the acceleration of a takeoff run.
     defaults: Defaults {
         cruise_parameter: "FW_AIRSPD_TRIM",
+        speed_parameters: [Some("FW_AIRSPD_MIN"), Some("FW_AIRSPD_MAX")],
+        rate_parameters: Some(["FW_T_CLMB_MAX", "FW_T_SINK_MAX"]),
+        motion_parameters: None,
         climb_mps: 5.0,
         descent_mps: 5.0,
         accel_mps2: 3.0,
@@ -203,6 +210,9 @@ pub(super) static VTOL: Facts = Facts {
     ],
     defaults: Defaults {
         cruise_parameter: "FW_AIRSPD_TRIM",
+        speed_parameters: [Some("FW_AIRSPD_MIN"), Some("FW_AIRSPD_MAX")],
+        rate_parameters: Some(["FW_T_CLMB_MAX", "FW_T_SINK_MAX"]),
+        motion_parameters: None,
         ..COPTER.defaults
     },
     corners: None,

@@ -349,7 +349,7 @@ fn print_fleet_cost(dispatched: &Dispatched) -> Result<(), Failure> {
         return Ok(());
     }
     let above = match plan.gap() {
-        Some(gap) => format!("{:.1} % above the proven bound", 100.0 * gap),
+        Some(gap) => format!("{:.1} % above the proven bound", 100.0 * gap.max(0.0)),
         None => "limits are violated; the proven bound is".to_owned(),
     };
     let (cost, bound) = (plan.cost(), plan.bound());

@@ -1,5 +1,8 @@
 //! Parameter files as ground stations load them.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
 use crate::autopilot::{self, Autopilot};
 use crate::mission::{Parameter, VehicleMission};
 
@@ -32,20 +35,53 @@ pub fn write(mission: &VehicleMission) -> String {
 
 /// A line of a parameter file that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {text:?} is neither NAME,VALUE nor vehicle, component, name, value, type")]
-pub struct ParamsError {
-    /// From 1.
-    pub line: usize,
-    /// The line, cut to 80 characters.
-    pub text: String,
+pub enum ParamsError {
+    /// A line of neither form.
+    #[error(
+        "line {line}: {text:?} is neither NAME,VALUE nor vehicle, component, name, value, type"
+    )]
+    Line {
+        /// From 1.
+        line: usize,
+        /// The line, cut to 80 characters.
+        text: String,
+    },
+    /// Two names of one parameter, with values that differ.
+    #[error(
+        "{0} and {1} are names of one parameter in different versions, and their values differ"
+    )]
+    Ambiguous(String, String),
 }
 
-/// Reads either form; the comment before a parameter becomes [`Parameter::why`].
+/// Reads either form; the comment before a parameter becomes [`Parameter::why`]. Of a name that
+/// stands there twice the last value counts, as for a vehicle that is given all of them.
 ///
 /// # Errors
-/// The first line of neither form.
+/// The first line of neither form; two names of one parameter that differ.
 pub fn read(text: &str) -> Result<Vec<Parameter>, ParamsError> {
-    let mut params = Vec::new();
+    let params = lines(text)?;
+    for param in &params {
+        let Some(other) = autopilot::other_name(&param.name) else {
+            continue;
+        };
+        let Some(found) = params.iter().find(|found| found.name == other) else {
+            continue;
+        };
+        let same = autopilot::in_unit_of(f64::from(found.value), other, &param.name);
+        let value = f64::from(param.value);
+        if (same - value).abs() > 1e-3 * value.abs().max(1.0) {
+            return Err(ParamsError::Ambiguous(
+                param.name.clone(),
+                found.name.clone(),
+            ));
+        }
+    }
+    Ok(params)
+}
+
+fn lines(text: &str) -> Result<Vec<Parameter>, ParamsError> {
+    let mut params: Vec<Parameter> = Vec::new();
+    let mut index_of: HashMap<String, usize> = HashMap::new();
     let mut why = "";
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
@@ -66,16 +102,23 @@ pub fn read(text: &str) -> Result<Vec<Parameter>, ParamsError> {
                 .ok()
                 .filter(|value: &f32| value.is_finite())
                 .map(|value| Parameter {
-                    name: name.to_owned(),
+                    name: name.to_ascii_uppercase(),
                     value,
                     why: why.to_owned(),
                 }),
             _ => None,
         };
-        params.push(found.ok_or_else(|| ParamsError {
+        let found = found.ok_or_else(|| ParamsError::Line {
             line: index + 1,
             text: line.chars().take(80).collect(),
-        })?);
+        })?;
+        match index_of.entry(found.name.clone()) {
+            Entry::Occupied(index) => params[*index.get()] = found,
+            Entry::Vacant(index) => {
+                index.insert(params.len());
+                params.push(found);
+            }
+        }
     }
     Ok(params)
 }

@@ -1,6 +1,8 @@
 //! The mission of one vehicle, in the integers and floats that go over the wire.
 
-use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts, frame};
+use crate::autopilot::{
+    Airframe, Autopilot, Facts, Version, facts, frame, in_unit_of, other_name, parameter,
+};
 use crate::geodesy::LatLon;
 
 /// One item, field by field as in `MISSION_ITEM_INT`. Its sequence number is its
@@ -93,11 +95,37 @@ impl VehicleMission {
         }
     }
 
+    /// The value of a parameter in the unit of that name, if the mission has it: under the name, or
+    /// under the one that another version of the firmware has for it.
+    #[must_use]
+    pub fn param(&self, name: &str) -> Option<f64> {
+        value_of(&self.params, name)
+    }
+
+    /// The same in SI units (angles in degrees), if it is finite.
+    #[must_use]
+    pub fn param_si(&self, name: &str) -> Option<f64> {
+        let value = self.param(name)? / parameter(name)?.unit.per_si();
+        value.is_finite().then_some(value)
+    }
+
     /// What its autopilot does on its airframe.
     #[must_use]
     pub fn facts(&self) -> &'static Facts {
         facts(self.autopilot, self.airframe)
     }
+}
+
+/// The value of a parameter among others, as of [`VehicleMission::param`].
+pub(crate) fn value_of(params: &[Parameter], name: &str) -> Option<f64> {
+    let held = |name: &str| {
+        let found = params.iter().find(|param| param.name == name);
+        found.map(|param| f64::from(param.value))
+    };
+    held(name).or_else(|| {
+        let other = other_name(name)?;
+        Some(in_unit_of(held(other)?, other, name))
+    })
 }
 
 impl Item {

@@ -1,12 +1,15 @@
 //! Autopilot parameters that the verdict assumes, written with every mission.
 //!
-//! Names, units and defaults are in [`crate::autopilot`]. Where a version renamed a parameter, both
-//! names are written, and a vehicle knows one of them.
+//! Names, units and defaults are in [`crate::autopilot`]. Where a version renamed a parameter, the
+//! name is that of the spec's `autopilot_version`; without one it is the older, and of lean angles
+//! and slopes both, and a vehicle knows one of them.
+
+use std::borrow::Cow;
 
 use super::item::{Parameter, VehicleMission};
 use crate::autopilot::{
-    Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, SLOW_LANDING_M, command,
-    facts, parameter,
+    Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, SLOW_LANDING_M, Version,
+    command, facts, name_in, parameter,
 };
 use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
@@ -50,14 +53,8 @@ pub fn parameters(
 /// The greatest lean angle that the mission's parameters allow a copter, degrees.
 #[must_use]
 pub fn lean_limit_deg(mission: &VehicleMission) -> Option<f64> {
-    let mut held = mission
-        .params
-        .iter()
-        .filter(|param| is_lean_limit(&param.name));
-    held.find_map(|param| {
-        let per_si = parameter(&param.name)?.unit.per_si();
-        Some(f64::from(param.value) / per_si)
-    })
+    let mut names = COPTER_LEAN.into_iter().chain([PX4_LEAN]);
+    names.find_map(|name| mission.param_si(name))
 }
 
 /// Whether a parameter is the greatest lean angle of a copter: a vehicle that may lean more than
@@ -73,9 +70,45 @@ pub fn cruise_speed_mps(mission: &VehicleMission) -> Option<f64> {
     let name = facts(mission.autopilot, mission.airframe)
         .defaults
         .cruise_parameter;
-    let found = mission.params.iter().find(|param| param.name == name)?;
-    let speed_mps = f64::from(found.value) / parameter(name)?.unit.per_si();
-    (speed_mps.is_finite() && speed_mps > 0.0).then_some(speed_mps)
+    let held = mission.param_si(name).filter(|mps| *mps > 0.0)?;
+    Some(within_speeds_mps(mission, held))
+}
+
+/// The speed that a vehicle flies where one is commanded, m/s: it keeps it within the least and the
+/// greatest of its parameters, where the mission has them.
+#[must_use]
+pub fn within_speeds_mps(mission: &VehicleMission, speed_mps: f64) -> f64 {
+    let names = mission.facts().defaults.speed_parameters;
+    let held = names.map(|name| mission.param_si(name?).filter(|mps| *mps > 0.0));
+    let least_mps = held[0].unwrap_or(0.0);
+    speed_mps
+        .min(held[1].unwrap_or(f64::INFINITY))
+        .max(least_mps)
+}
+
+/// The vehicle as the parameters of its mission make it climb, descend and accelerate, where they
+/// say something else than the spec.
+#[must_use]
+pub fn as_set<'a>(vehicle: &'a Vehicle, mission: &VehicleMission) -> Cow<'a, Vehicle> {
+    let mut set = Cow::Borrowed(vehicle);
+    let Some(names) = mission.facts().defaults.motion_parameters else {
+        return set;
+    };
+    let planned = [vehicle.climb_mps, vehicle.descent_mps, vehicle.accel_mps2];
+    for (index, (name, planned)) in names.into_iter().zip(planned).enumerate() {
+        let held = mission.param_si(name).filter(|held| *held > 0.0);
+        // A float32 in centimetres is the planned value.
+        let Some(held) = held.filter(|held| (held - planned).abs() > 1e-4 * planned) else {
+            continue;
+        };
+        let set = set.to_mut();
+        *[
+            &mut set.climb_mps,
+            &mut set.descent_mps,
+            &mut set.accel_mps2,
+        ][index] = held;
+    }
+    set
 }
 
 /// The radius within which a copter accepts the place of a row (0 for home), metres: PX4's own of
@@ -94,13 +127,8 @@ pub fn acceptance_m(mission: &VehicleMission, row: usize) -> f64 {
         .filter(|item| mission.autopilot == Autopilot::Px4 && item.command == command::NAV_WAYPOINT)
         .map(|item| f64::from(item.params[1]))
         .filter(is_usable);
-    let row = parameter(name);
-    let per_si = row.map_or(1.0, |row| row.unit.per_si());
-    let held = mission.params.iter().find(|param| param.name == name);
-    let held_m = held
-        .map(|param| f64::from(param.value) / per_si)
-        .filter(is_usable);
-    let default_m = row.map_or(0.0, |row| f64::from(row.default) / per_si);
+    let held_m = mission.param_si(name).filter(is_usable);
+    let default_m = parameter(name).map_or(0.0, ParameterRow::default_si);
     own_m.or(held_m).unwrap_or(default_m)
 }
 
@@ -108,12 +136,8 @@ pub fn acceptance_m(mission: &VehicleMission, row: usize) -> f64 {
 /// `WPNAV_ACCEL`, the default.
 #[must_use]
 pub fn corner_accel_mps2(accel_mps2: f64, mission: Option<&VehicleMission>) -> f64 {
-    let name = "WPNAV_ACCEL_C";
-    let held = mission.and_then(|of| of.params.iter().find(|param| param.name == name));
-    let per_si = parameter(name).map_or(1.0, |row| row.unit.per_si());
-    let held = held.map(|param| f64::from(param.value) / per_si);
-    let usable = held.filter(|held| held.is_finite() && *held > 0.0);
-    usable.unwrap_or(2.0 * accel_mps2)
+    let held = mission.and_then(|of| of.param_si("WPNAV_ACCEL_C"));
+    held.filter(|held| *held > 0.0).unwrap_or(2.0 * accel_mps2)
 }
 
 /// The parameter of `ArduCopter` that has how fast it comes down to place a load.
@@ -123,9 +147,7 @@ const PLACING: &str = "PLDP_SPEED_DN";
 /// landing. None where they do not say.
 #[must_use]
 pub fn placing_mps(mission: &VehicleMission) -> Option<f64> {
-    let held = mission.params.iter().find(|param| param.name == PLACING)?;
-    let placing_mps = f64::from(held.value) / parameter(PLACING)?.unit.per_si();
-    placing_mps.is_finite().then_some(placing_mps)
+    mission.param_si(PLACING)
 }
 
 /// Share of the planned airspeed below which a QuadPlane's rotors may help. With 18 at a planned
@@ -156,6 +178,20 @@ fn altitude_acceptance_m(options: &MissionOptions) -> f64 {
     corner_cut_m(options).max(5.0)
 }
 
+/// A comment with the names of parameters in a version that has metres where earlier ones have
+/// centimetres.
+fn in_metres(why: &str, version: Option<Version>) -> String {
+    let named = |word: &str| {
+        let renamed = RENAMED_IN_COMMENTS.iter().find(|name| **name == word);
+        renamed.map_or(word.to_owned(), |name| name_in(name, version).to_owned())
+    };
+    let words: Vec<String> = why.split(' ').map(named).collect();
+    words.join(" ").replace(", cm", ", m")
+}
+
+/// Parameters that comments name.
+const RENAMED_IN_COMMENTS: [&str; 3] = ["WPNAV_SPEED_DN", "LAND_ALT_LOW", "LAND_SPEED"];
+
 /// The parameters of one vehicle, in the order of its file.
 struct List<'a> {
     vehicle: &'a Vehicle,
@@ -163,8 +199,18 @@ struct List<'a> {
 }
 
 impl List<'_> {
-    /// Adds a parameter with a value in SI units, angles in degrees.
-    fn set(&mut self, name: &str, value: f64, why: &str) {
+    /// Adds a parameter with a value in SI units, angles in degrees, under the name that it has in
+    /// the vehicle's version.
+    fn set(&mut self, name: &'static str, value: f64, why: &str) {
+        let version = self.vehicle.autopilot_version;
+        let (own, name) = (name, name_in(name, version));
+        if self.parameters.iter().any(|param| param.name == name) {
+            return;
+        }
+        let why = match own == name {
+            true => why.to_owned(),
+            false => in_metres(why, version),
+        };
         let per_si = parameter(name).map_or(1.0, |row| row.unit.per_si());
         #[expect(
             clippy::cast_possible_truncation,
@@ -174,7 +220,7 @@ impl List<'_> {
         self.parameters.push(Parameter {
             name: name.to_owned(),
             value,
-            why: why.to_owned(),
+            why,
         });
     }
 
@@ -361,16 +407,16 @@ impl List<'_> {
         self.slow_landing("MPC_LAND_SPEED", "speed of the slow end of a landing");
     }
 
-    fn slow_landing(&mut self, name: &str, why: &str) {
+    fn slow_landing(&mut self, name: &'static str, why: &str) {
         self.set(name, self.vehicle.facts().behaviour.slow_landing_mps, why);
     }
 
-    fn loiter_radius(&mut self, name: &str, wing: &Wing) {
+    fn loiter_radius(&mut self, name: &'static str, wing: &Wing) {
         let why = "radius of circles where no item states one";
         self.set(name, wing.loiter_radius_m, why);
     }
 
-    fn armed_until_departure(&mut self, name: &str, never: f64) {
+    fn armed_until_departure(&mut self, name: &'static str, never: f64) {
         if self.vehicle.depart_s > 0.0 {
             self.set(name, never, "stay armed on the ground until the departure");
         }

@@ -173,10 +173,11 @@
 //! and descends with `descent_mps`, from 10 m above the ground on with no more than 0.5
 //! m/s (ArduPilot) or 0.7 m/s (PX4). A return climbs to `return_amsl_m` unless it is
 //! above, flies straight to home, and lands. Without `return_amsl_m` it returns by the parameters of the mission, if they
-//! are there: ArduCopter at `RTL_ALT` above home or its own altitude if that is more, near home no higher than
-//! `RTL_CONE_SLOPE` times the distance, but 2.5 m of climb at least; PX4 at `RTL_RETURN_ALT` within the cone of
-//! `RTL_CONE_ANG`. ArduPlane returns so, and when its mission ends in the air, to a circle of `WP_LOITER_RAD` at
-//! `RTL_ALTITUDE` over home. A wing of PX4 whose mission ends in the air circles around its last place with
+//! are there, and whatever the spec says: ArduCopter at `RTL_ALT` above home, or `RTL_CLIMB_MIN` above its own altitude if that is
+//! more, near home no higher than `RTL_CONE_SLOPE` times the distance, nor above the altitude fence less its margin, with `RTL_SPEED`,
+//! to the ground or to `RTL_ALT_FINAL`; PX4 at `RTL_RETURN_ALT`, within `RTL_MIN_DIST` of home in the cone of
+//! `RTL_CONE_ANG`. ArduPlane returns so, and when its mission ends in the air, to a circle of `RTL_RADIUS`, or else `WP_LOITER_RAD`, at
+//! `RTL_ALTITUDE` over home. Parameters that lead a return elsewhere end the judgement there. A wing of PX4 whose mission ends in the air circles around its last place with
 //! `NAV_LOITER_RAD`. A vehicle that loiters, or whose mission
 //! ends in the air, stays for ever.
 //!

@@ -231,6 +231,14 @@ fn what_a_plan_cannot_say_is_refused_with_the_item() {
     assert!(refused(&waiting).contains("computed from terrain"));
     let wrong = SIMPLE.replace("\"AltitudeMode\":1", "\"AltitudeMode\":2");
     assert!(refused(&wrong).contains("reference of the item's frame"));
+    // QGroundControl shows the mode and sends the frame, so that people and vehicle differ.
+    let sea = SIMPLE.replace("\"frame\":3", "\"frame\":0");
+    assert!(refused(&sea).contains("reference of the item's frame"));
+    // What it computes from terrain is above the sea.
+    let computed = SIMPLE.replace("\"AltitudeMode\":1", "\"AltitudeMode\":3");
+    assert!(refused(&computed).contains("reference of the item's frame"));
+    let computed = computed.replace("\"frame\":3", "\"frame\":0");
+    assert!(plan::read(&plan_of(&computed)).is_ok());
     assert!(refused(&SIMPLE.replace("null,47.4", "47.4")).contains("a list of 7 numbers"));
     let jump =
         r#"{"type":"SimpleItem","command":177,"frame":2,"doJumpId":1,"params":[5,1,0,0,0,0,0]}"#;

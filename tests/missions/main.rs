@@ -10,6 +10,7 @@ mod formats_corpus;
 mod formats_golden;
 mod formats_maps;
 mod landing_pattern;
+mod long_flight;
 mod mission_accept;
 mod mission_build;
 mod params_without_spec;

@@ -4,6 +4,8 @@
 
 use crate::support;
 
+use std::collections::BTreeSet;
+
 use proptest::prelude::*;
 use sortie::geodesy::{Agl, Amsl, LatLon, PlanPoint};
 use sortie::mission::{self, Item, List, MissionError, VehicleMission, command, frame, problems};
@@ -139,6 +141,46 @@ fn an_ardupilot_copter_takes_off_sets_its_speed_flies_and_lands() {
     ] {
         assert_eq!(parameter(&mission, name), value, "{name}");
     }
+}
+
+#[test]
+fn the_parameters_of_arducopter_4_7_have_its_names_and_metres() {
+    let older = built(|spec| spec.vehicles[0].return_amsl = Some(Amsl(480.0)));
+    let newer = built(|spec| {
+        spec.vehicles[0].return_amsl = Some(Amsl(480.0));
+        spec.vehicles[0].autopilot_version = "4.7".parse().ok();
+    });
+    for (old, new, value) in [
+        ("WPNAV_SPEED", "WP_SPD", 15.0),
+        ("WPNAV_ACCEL", "WP_ACC", 2.5),
+        ("WPNAV_ACCEL_C", "WP_ACC_CNR", 5.0),
+        ("WPNAV_SPEED_UP", "WP_SPD_UP", 5.0),
+        ("WPNAV_SPEED_DN", "WP_SPD_DN", 3.0),
+        ("WPNAV_RADIUS", "WP_RADIUS_M", 5.0),
+        ("LAND_SPEED", "LAND_SPD_MS", 0.5),
+        ("LAND_SPEED_HIGH", "LAND_SPD_HIGH_MS", 0.0),
+        ("LAND_ALT_LOW", "LAND_ALT_LOW_M", 10.0),
+        ("RTL_ALT", "RTL_ALT_M", 80.0),
+        ("RTL_ALT_FINAL", "RTL_ALT_FINAL_M", 0.0),
+        ("RTL_CLIMB_MIN", "RTL_CLIMB_MIN_M", 0.0),
+    ] {
+        assert!((parameter(&newer, new) - value).abs() < 1e-4, "{new}");
+        assert!(
+            (parameter(&older, old) - 100.0 * value).abs() < 1e-2,
+            "{old}"
+        );
+        let has = |mission: &VehicleMission, name: &str| {
+            mission.params.iter().any(|param| param.name == name)
+        };
+        assert!(!has(&newer, old) && !has(&older, new), "{old} {new}");
+    }
+    let names = newer.params.iter().map(|param| &param.name);
+    assert_eq!(names.clone().count(), names.collect::<BTreeSet<_>>().len());
+    for param in &newer.params {
+        let why = &param.why;
+        assert!(!why.contains("cm") && !why.contains("WPNAV"), "{why}");
+    }
+    assert_eq!(older.items, newer.items);
 }
 
 #[test]

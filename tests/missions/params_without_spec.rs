@@ -2,25 +2,88 @@
 
 use std::fs;
 
+use serde_json::Value;
+
 use crate::support::command::{sortie, text};
 
 const RETURN: &str = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.01\t8.0\t50\t1\n3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n";
 
+/// The return as PX4 takes it, from a place at this latitude.
+fn for_px4(lat: &str) -> String {
+    let mission = RETURN
+        .replace("46.01", lat)
+        .replace("3\t0\t3\t20", "3\t0\t2\t20");
+    mission.replace(
+        "1\t0\t3\t22\t0\t0\t0\t0\t0\t0",
+        "1\t0\t3\t22\t0\t0\t0\t0\t46.0\t8.0",
+    )
+}
+
 /// Exit code and all that is said of the return with these parameters and flags.
 fn review(params: &str, flags: &[&str]) -> (Option<i32>, String) {
+    let (code, said, _) = flown(params, flags);
+    (code, said)
+}
+
+/// One motion of a trajectory, places in metres near 46 degrees north.
+struct Segment {
+    from_t_s: f64,
+    to_t_s: Option<f64>,
+    to_amsl_m: f64,
+    run_m: [f64; 3],
+    flown: bool,
+}
+
+impl Segment {
+    fn of(segment: &Value) -> Self {
+        let number = |end: &str, key: &str| segment[end][key].as_f64();
+        let change = |key: &str| {
+            let [from, to] = ["from", "to"].map(|end| number(end, key).expect("a number"));
+            to - from
+        };
+        Self {
+            from_t_s: number("from", "t_s").expect("a time"),
+            to_t_s: number("to", "t_s"),
+            to_amsl_m: number("to", "amsl_m").expect("an altitude"),
+            run_m: [
+                change("lat_deg") * 111_147.0,
+                change("lon_deg") * 77_460.0,
+                change("amsl_m"),
+            ],
+            flown: segment["flown"].as_bool().expect("whether"),
+        }
+    }
+
+    fn length_m(&self) -> f64 {
+        self.run_m
+            .iter()
+            .map(|run_m| run_m * run_m)
+            .sum::<f64>()
+            .sqrt()
+    }
+}
+
+/// The same, with the trajectory that was judged.
+fn flown(params: &str, flags: &[&str]) -> (Option<i32>, String, Vec<Segment>) {
+    flown_from(RETURN, params, flags)
+}
+
+fn flown_from(mission: &str, params: &str, flags: &[&str]) -> (Option<i32>, String, Vec<Segment>) {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("m.waypoints"), RETURN).expect("written");
+    fs::write(folder.path().join("m.waypoints"), mission).expect("written");
     fs::write(folder.path().join("m.params"), params).expect("written");
-    let always = [
-        "review",
-        "m.waypoints",
-        "--no-terrain",
-        "--airframe",
-        "copter",
-    ];
+    let mut always = vec!["review", "m.waypoints", "--no-terrain"];
+    always.extend(["--trajectories", "t.json"]);
+    if !flags.contains(&"--airframe") {
+        always.extend(["--airframe", "copter"]);
+    }
     let output = sortie(folder.path(), &[&always[..], flags].concat());
     let said = text(&output.stdout) + &text(&output.stderr);
-    (output.status.code(), said)
+    let trajectories = fs::read_to_string(folder.path().join("t.json")).unwrap_or_default();
+    let trajectories: Value = serde_json::from_str(&trajectories).unwrap_or_default();
+    let segments = trajectories["vehicles"][0]["segments"].as_array();
+    let segments = segments.map_or_else(Vec::new, |all| all.iter().map(Segment::of).collect());
+    (output.status.code(), said, segments)
 }
 
 #[test]
@@ -37,4 +100,291 @@ fn a_return_is_judged_at_the_altitude_of_the_parameters_next_to_the_mission() {
     assert!(said.contains("RTL_LOIT_TIME 5000"), "{said}");
     let (code, said) = review("not a parameter\n", &ceiling);
     assert_eq!(code, Some(3), "{said}");
+}
+
+#[test]
+fn a_return_is_judged_by_the_names_and_metres_of_arducopter_4_7() {
+    let ceiling = ["--max-amsl", "600"];
+    let (code, said) = review("RTL_ALT_M,300\n", &ceiling);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(
+        said.contains("800.0 m") && !said.contains("RTL_ALT 1500"),
+        "{said}"
+    );
+    let (code, said) = review("RTL_ALT_M,80\n", &ceiling);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("580.0 m"), "{said}");
+}
+
+/// `ModeRTL::compute_return_target`.
+#[test]
+fn a_return_climbs_by_the_least_climb_and_stays_below_the_fence_of_the_parameters() {
+    let ceiling = ["--max-amsl", "900"];
+    for (params, top) in [
+        ("RTL_ALT,1000\nRTL_CLIMB_MIN,10000\n", "650.0 m"),
+        ("RTL_ALT_M,10\nRTL_CLIMB_MIN_M,100\n", "650.0 m"),
+        (
+            "RTL_ALT,8000\nFENCE_ENABLE,1\nFENCE_ALT_MAX,60\nFENCE_TYPE,5\n",
+            "558.0 m",
+        ),
+        (
+            "RTL_ALT,8000\nFENCE_ENABLE,1\nFENCE_ALT_MAX,60\nFENCE_TYPE,4\n",
+            "580.0 m",
+        ),
+        (
+            "RTL_ALT,8000\nFENCE_ENABLE,0\nFENCE_ALT_MAX,60\n",
+            "580.0 m",
+        ),
+    ] {
+        let (code, said) = review(params, &ceiling);
+        assert_eq!(code, Some(0), "{params}: {said}");
+        assert!(said.contains(top), "{params}: {said}");
+    }
+}
+
+#[test]
+fn a_return_that_ends_elsewhere_by_its_parameters_is_not_judged_as_a_landing_at_home() {
+    let (_, _, trajectory) = flown("RTL_ALT,8000\nRTL_ALT_FINAL,2000\n", &[]);
+    let last = trajectory.last().expect("segments");
+    assert!((last.to_amsl_m - 520.0).abs() < 0.01 && last.to_t_s.is_none());
+    let (_, _, trajectory) = flown("RTL_ALT,8000\n", &[]);
+    let last = trajectory.last().expect("segments");
+    assert!((last.to_amsl_m - 500.0).abs() < 0.01 && last.to_t_s.is_some());
+    let px4 = ["--autopilot", "px4"];
+    let (ardupilot, of_px4) = ((RETURN.to_owned(), &[][..]), (for_px4("46.01"), &px4[..]));
+    for (params, (mission, flags), passes) in [
+        ("RTL_ALT_TYPE,0\n", &ardupilot, true),
+        ("RTL_ALT_TYPE,1\n", &ardupilot, false),
+        ("1\t1\tRTL_TYPE\t0\t6\n", &of_px4, true),
+        ("1\t1\tRTL_TYPE\t2\t6\n", &of_px4, false),
+        ("1\t1\tRTL_LAND_DELAY\t5\t9\n", &of_px4, true),
+        ("1\t1\tRTL_LAND_DELAY\t-1\t9\n", &of_px4, false),
+    ] {
+        let (code, said, _) = flown_from(mission, params, flags);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+        assert!(
+            passes || said.contains("cannot judge from item 3 on: a return"),
+            "{said}"
+        );
+    }
+}
+
+/// `RTL::computeReturnAltitude`: the cone ends `RTL_MIN_DIST` (10 m) from home.
+#[test]
+fn a_px4_copter_near_home_returns_at_its_return_altitude() {
+    let px4 = ["--autopilot", "px4", "--max-amsl", "900"];
+    for (lat, params, top) in [
+        ("46.0003", "", "560.0 m"),
+        ("46.0003", "1\t1\tRTL_MIN_DIST\t50\t9\n", "550.0 m"),
+        ("46.00005", "", "550.0 m"),
+    ] {
+        let (code, said, _) = flown_from(&for_px4(lat), params, &px4);
+        assert_eq!(code, Some(0), "{lat}: {said}");
+        assert!(said.contains(top), "{lat} {params}: {said}");
+    }
+}
+
+#[test]
+fn a_copter_climbs_and_descends_and_accelerates_as_the_parameters_next_to_it_say() {
+    let end_s = |params: &str| {
+        let (_, _, trajectory) = flown(params, &[]);
+        trajectory
+            .last()
+            .expect("segments")
+            .to_t_s
+            .expect("a landing")
+    };
+    let stock_s = end_s("RTL_ALT,3000\n");
+    // 50 m up with 1 instead of 2.5 m/s.
+    for slow in ["WPNAV_SPEED_UP,100\n", "WP_SPD_UP,1\n"] {
+        let late_s = end_s(&format!("RTL_ALT,3000\n{slow}")) - stock_s;
+        assert!((late_s - 30.0).abs() < 0.01, "{slow} {late_s}");
+    }
+    // 40 m down with 0.5 instead of 1.5 m/s.
+    let late_s = end_s("RTL_ALT,3000\nWPNAV_SPEED_DN,50\n") - stock_s;
+    assert!((late_s - 40.0 * (2.0 - 1.0 / 1.5)).abs() < 0.01, "{late_s}");
+    // Four ramps between rest and 10 m/s, each 10^2 / 2 / accel longer on the way.
+    let late_s = end_s("RTL_ALT,3000\nWPNAV_ACCEL,100\n") - stock_s;
+    assert!((late_s - 4.0 * (5.0 - 2.0)).abs() < 0.5, "{late_s}");
+    // The 1112 m back with 5 instead of 10 m/s.
+    for slow in ["RTL_SPEED,500\n", "RTL_SPEED_MS,5\n"] {
+        let late_s = end_s(&format!("RTL_ALT,3000\n{slow}")) - stock_s;
+        assert!((late_s - 111.2).abs() < 3.0, "{slow} {late_s}");
+    }
+}
+
+#[test]
+fn a_mission_beyond_the_fence_of_its_parameters_is_not_accepted() {
+    let land = RETURN.replace(
+        "3\t0\t3\t20\t0\t0\t0\t0\t0\t0",
+        "3\t0\t3\t21\t0\t0\t0\t0\t46.01\t8.0",
+    );
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    let on = "FENCE_ENABLE,1\n";
+    for (params, flags, passes) in [
+        (
+            format!("{on}FENCE_ALT_MAX,40\nFENCE_RADIUS,2000\n"),
+            &[][..],
+            false,
+        ),
+        (
+            format!("{on}FENCE_ALT_MAX,60\nFENCE_RADIUS,2000\n"),
+            &[],
+            true,
+        ),
+        (format!("{on}FENCE_RADIUS,1000\n"), &[], false),
+        // 300 m by default.
+        (on.to_owned(), &[], false),
+        (format!("{on}FENCE_TYPE,4\n"), &[], true),
+        (format!("{on}FENCE_ACTION,0\n"), &[], true),
+        ("FENCE_AUTOENABLE,1\n".to_owned(), &[], false),
+        ("FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n".to_owned(), &[], true),
+        (
+            format!("{on}FENCE_TYPE,3\nFENCE_ALT_MAX,40\n"),
+            &plane,
+            false,
+        ),
+        (on.to_owned(), &plane, true),
+    ] {
+        let mission = if flags.is_empty() { &land } else { RETURN };
+        let (code, said, _) = flown_from(mission, &params, flags);
+        assert_eq!(code == Some(0), passes, "{params} {flags:?}: {said}");
+        assert!(passes || said.contains("fence of the parameters"), "{said}");
+    }
+    let px4 = ["--autopilot", "px4"];
+    for (params, passes) in [
+        ("1\t1\tGF_MAX_VER_DIST\t40\t9\n", false),
+        ("1\t1\tGF_MAX_VER_DIST\t0\t9\n", true),
+        ("1\t1\tGF_MAX_HOR_DIST\t1000\t9\n", false),
+        (
+            "1\t1\tGF_MAX_HOR_DIST\t1000\t9\n1\t1\tGF_ACTION\t0\t6\n",
+            true,
+        ),
+    ] {
+        let (code, said, _) = flown_from(&for_px4("46.01"), params, &px4);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+    }
+}
+
+#[test]
+fn of_a_parameter_that_stands_twice_the_last_value_counts_and_two_names_must_agree() {
+    let ceiling = ["--max-amsl", "600"];
+    let (code, said) = review("RTL_ALT,1500\nRTL_ALT,30000\n", &ceiling);
+    assert_eq!(code, Some(4), "{said}");
+    let (code, said) = review("rtl_alt,30000\n", &ceiling);
+    assert_eq!(code, Some(4), "{said}");
+    let (code, said) = review("RTL_ALT,8000\nRTL_ALT_M,80\n", &ceiling);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = review("RTL_ALT,1500\nRTL_ALT_M,300\n", &ceiling);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(
+        said.contains("RTL_ALT and RTL_ALT_M are names of one parameter"),
+        "{said}"
+    );
+}
+
+#[test]
+fn parameters_are_found_next_to_a_mission_by_the_names_that_ground_stations_give() {
+    for name in ["m.params", "m.param", "m.parm"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("m.waypoints"), RETURN).expect("written");
+        fs::write(folder.path().join(name), "RTL_ALT,30000\n").expect("written");
+        let flags = ["--no-terrain", "--airframe", "copter", "--max-amsl", "600"];
+        let output = sortie(
+            folder.path(),
+            &[&["review", "m.waypoints"][..], &flags].concat(),
+        );
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{name}: {said}");
+        assert!(!said.contains("no parameters"), "{said}");
+    }
+}
+
+#[test]
+fn a_wing_that_its_parameters_lead_elsewhere_is_not_judged() {
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    for (params, passes) in [
+        (
+            "WP_MAX_RADIUS,0\nTERRAIN_FOLLOW,0\nFLIGHT_OPTIONS,8\nRTL_AUTOLAND,0\n",
+            true,
+        ),
+        ("WP_MAX_RADIUS,20\n", false),
+        ("TERRAIN_FOLLOW,1\n", false),
+        ("FLIGHT_OPTIONS,24\n", false),
+        ("RTL_AUTOLAND,2\n", false),
+        ("RTL_CLIMB_MIN,30\n", false),
+    ] {
+        let (code, said, _) = flown_from(RETURN, params, &plane);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+        assert!(
+            passes || said.contains("cannot judge from item"),
+            "{params}: {said}"
+        );
+    }
+    let vtol = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n1\t0\t3\t84\t0\t0\t0\t0\t46.0\t8.0\t50\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.01\t8.0\t50\t1\n3\t0\t3\t85\tSPIRAL\t0\t0\t0\t46.02\t8.0\t0\t1\n";
+    for (param1, passes) in [("0", true), ("1", false)] {
+        let mission = vtol.replace("SPIRAL", param1);
+        let (code, said, _) = flown_from(&mission, "", &["--airframe", "vtol"]);
+        assert_eq!(code == Some(0), passes, "{param1}: {said}");
+    }
+}
+
+#[test]
+fn a_px4_copter_flies_no_faster_than_its_greatest_speed() {
+    let px4 = ["--autopilot", "px4"];
+    let end_s = |params: &str| {
+        let (_, _, trajectory) = flown_from(&for_px4("46.01"), params, &px4);
+        trajectory
+            .last()
+            .expect("segments")
+            .to_t_s
+            .expect("a landing")
+    };
+    let held = end_s("1\t1\tMPC_XY_CRUISE\t9\t9\n1\t1\tMPC_XY_VEL_MAX\t4\t9\n");
+    assert!((held - end_s("1\t1\tMPC_XY_CRUISE\t4\t9\n")).abs() < 1e-6);
+    assert!(held > end_s("1\t1\tMPC_XY_CRUISE\t9\t9\n") + 100.0);
+}
+
+#[test]
+fn altitudes_above_ground_need_the_terrain_of_the_vehicle() {
+    let over_ground = RETURN.replace("2\t0\t3\t16", "2\t0\t10\t16");
+    let (code, said, _) = flown_from(&over_ground, "TERRAIN_ENABLE,0\n", &[]);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(said.contains("TERRAIN_ENABLE is 0"), "{said}");
+}
+
+/// `Plane::do_change_speed` ignores an airspeed beyond its limits, -2 is that of the parameters
+/// again; TECS keeps the speed within them.
+#[test]
+fn a_plane_flies_the_airspeeds_that_its_parameters_allow() {
+    let mps = |change: &str, params: &str| {
+        let row = format!("2\t0\t3\t178\t0\t{change}\t-1\t0\t0\t0\t0\t1\n");
+        let mission = RETURN
+            .replace("2\t0\t3\t16", &format!("{row}3\t0\t3\t16"))
+            .replace("3\t0\t3\t20", "4\t0\t3\t20");
+        let flags = ["--airframe", "plane", "--takeoff-heading", "0"];
+        let (code, said, trajectory) = flown_from(&mission, params, &flags);
+        assert_eq!(code, Some(0), "{params}: {said}");
+        let leg = trajectory
+            .iter()
+            .filter(|segment| segment.flown)
+            .max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
+        let leg = leg.expect("a leg");
+        leg.length_m() / (leg.to_t_s.expect("a time") - leg.from_t_s)
+    };
+    for (change, params, expected_mps) in [
+        ("18", "", 18.0),
+        ("18", "AIRSPEED_MAX,15\n", 12.0),
+        ("18", "ARSPD_FBW_MAX,15\nTRIM_ARSPD_CM,1300\n", 13.0),
+        ("6", "AIRSPEED_MIN,9\nAIRSPEED_CRUISE,14\n", 14.0),
+        ("18", "AIRSPEED_MAX,15\nAIRSPEED_CRUISE,17\n", 15.0),
+        ("-2", "AIRSPEED_CRUISE,14\n", 14.0),
+    ] {
+        // At 550 m above the sea the true airspeed is 3 % higher.
+        let flown_mps = mps(change, params) / 1.027;
+        assert!(
+            (flown_mps - expected_mps).abs() < 0.1,
+            "{change} {params}: {flown_mps}"
+        );
+    }
 }

@@ -220,14 +220,14 @@ fn a_mission_without_a_takeoff_is_judged_from_its_first_place_on() {
     assert_eq!(review(HOME, &low, &in_air).0, Some(4));
 }
 
-/// `ModeRTL::compute_return_target`: `RTL_ALT` 15 m, `RTL_CONE_SLOPE` 3, 2.5 m of climb at least.
+/// `ModeRTL::compute_return_target`: `RTL_ALT` 15 m, `RTL_CONE_SLOPE` 3.
 #[test]
 fn a_return_without_its_altitude_is_flown_by_the_defaults_and_says_so() {
     let ceiling = [COPTER.as_slice(), &["--max-amsl", "900"]].concat();
-    // 334 m from home: 15 m above it. 0.9 m from home: 2.5 m higher than before. Above: stays.
+    // 334 m from home: 15 m above it. 0.9 m from home, and above: stays.
     for (lat, above_home_m, top) in [
         (46.003, 10.0, 515.0),
-        (46.000_008, 10.0, 512.5),
+        (46.000_008, 10.0, 510.0),
         (46.003, 40.0, 540.0),
     ] {
         let takeoff = Row(22, 3, [0.0; 4], 0.0, 0.0, above_home_m);
@@ -436,4 +436,129 @@ fn a_plane_that_lands_far_below_home_is_not_judged_without_terrain() {
         let (code, out, errors) = review(HOME, &rows, &["--no-terrain", "--airframe", "plane"]);
         assert_eq!(code == Some(0), passes, "{above_home_m}: {out}{errors}");
     }
+}
+
+/// `AP_Mission::get_next_cmd`: a jump to a tag is one to the first item of that tag.
+#[test]
+fn a_jump_to_a_tag_is_flown_as_one_to_its_row() {
+    let north = |rows: u32| waypoint(46.0 + 0.001 * f64::from(rows), 8.0, 50.0);
+    let by_row = [
+        takeoff(),
+        north(1),
+        command(600, [7.0, 0.0, 0.0, 0.0]),
+        north(2),
+        north(3),
+        command(177, [3.0, 2.0, 0.0, 0.0]),
+        land(46.003, 8.0),
+    ];
+    let by_tag = |tag: f32| {
+        let mut rows = vec![takeoff(), north(1), command(600, [7.0, 0.0, 0.0, 0.0])];
+        rows.extend([north(2), north(3), command(601, [tag, 2.0, 0.0, 0.0])]);
+        rows.push(land(46.003, 8.0));
+        rows
+    };
+    let (code, out, errors) = review(HOME, &by_row, &COPTER);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    let (code, tagged, errors) = review(HOME, &by_tag(7.0), &COPTER);
+    assert_eq!(code, Some(0), "{tagged}{errors}");
+    assert_eq!(tagged, out);
+    let (code, out, _) = review(HOME, &by_tag(8.0), &COPTER);
+    assert_eq!(code, Some(4), "{out}");
+    assert!(out.contains("JUMP_TAG 8, which there is not"), "{out}");
+}
+
+/// A return goes to the nearest of the rally points, or home, by parameters that no file of a
+/// mission holds.
+#[test]
+fn a_return_with_rally_points_is_named_and_never_passes() {
+    let rally = "QGC WPL 110\n0\t0\t3\t5100\t0\t0\t0\t0\t46.0005\t8.0\t30\t1\n";
+    let file = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.01\t8.0\t50\t1\n3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("m.waypoints"), file).expect("written");
+    fs::write(folder.path().join("rally.txt"), rally).expect("written");
+    for airframe in ["copter", "plane"] {
+        let flags = [
+            "--no-terrain",
+            "--takeoff-heading",
+            "0",
+            "--airframe",
+            airframe,
+        ];
+        let flags = if airframe == "copter" {
+            &[&flags[..1], &flags[3..]].concat()[..]
+        } else {
+            &flags
+        };
+        let with = [&["review", "m.waypoints", "rally.txt"][..], flags].concat();
+        let output = sortie(folder.path(), &with);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{said}");
+        assert!(
+            said.contains("item 3 on: NAV_RETURN_TO_LAUNCH with rally points"),
+            "{said}"
+        );
+        let without = [&["review", "m.waypoints"][..], flags].concat();
+        let output = sortie(folder.path(), &without);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+    }
+}
+
+/// Both autopilots keep to a steep leg, and fly it as slowly as they climb.
+#[test]
+fn when_copters_are_where_is_not_known_on_legs_that_they_cannot_climb_so_fast() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |lon: f64, above_m: u32| {
+        format!(
+            "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t{lon}\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.001\t{lon}\t50\t1\n3\t0\t3\t16\t0\t0\t0\t0\t46.002\t{lon}\t{above_m}\t1\n4\t0\t3\t21\t0\t0\t0\t0\t46.002\t{lon}\t0\t1\n"
+        )
+    };
+    let judged = |above_m: u32, files: &[&str], flags: &[&str]| {
+        fs::write(folder.path().join("a.waypoints"), file(8.0, above_m)).expect("written");
+        fs::write(folder.path().join("b.waypoints"), file(8.01, 50)).expect("written");
+        let output = sortie(
+            folder.path(),
+            &[&["review"], files, COPTER.as_slice(), flags].concat(),
+        );
+        (
+            output.status.code(),
+            text(&output.stdout) + &text(&output.stderr),
+        )
+    };
+    let both = ["a.waypoints", "b.waypoints"];
+    // 200 m up on 111 m: at 10 m/s that is 18 m/s upwards.
+    let (code, said) = judged(250, &both, &["--separation", "30"]);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(
+        said.contains("slower than commanded: when it is where is not known"),
+        "{said}"
+    );
+    let (code, said) = judged(70, &both, &["--separation", "30"]);
+    assert_eq!(code, Some(0), "{said}");
+    // Where it is does not depend on when.
+    let (code, said) = judged(250, &both[..1], &[]);
+    assert_eq!(code, Some(0), "{said}");
+}
+
+/// TECS climbs no faster than `TECS_CLMB_MAX`: on a steeper leg a plane stays below it.
+#[test]
+fn a_wing_that_cannot_climb_or_descend_as_its_legs_do_fails() {
+    let high = |from: f64, to: f64| {
+        [
+            takeoff(),
+            waypoint(46.01, 8.0, from),
+            waypoint(46.013, 8.0, to),
+            waypoint(46.03, 8.0, to),
+            command(20, [0.0; 4]),
+        ]
+    };
+    let flags = ["--no-terrain", "--airframe", "plane"];
+    for (from, to, speed) in [(60.0, 500.0, "climb speed"), (500.0, 60.0, "descent speed")] {
+        let (code, out, errors) = review(HOME, &high(from, to), &flags);
+        assert_eq!(code, Some(4), "{out}{errors}");
+        assert!(out.contains(speed), "{out}");
+        assert!(errors.contains("TECS_CLMB_MAX 5"), "{errors}");
+    }
+    let (code, out, errors) = review(HOME, &high(60.0, 100.0), &flags);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    assert!(!out.contains("climb speed (--climb)"), "{out}");
 }

@@ -422,6 +422,48 @@ fn plan_says_on_its_output_what_closes_every_way() {
     assert!(plan.contains("\"blocking_set\""));
 }
 
+#[test]
+fn the_page_of_a_failed_plan_says_what_the_terminal_says() {
+    let folder = std::env::temp_dir().join(format!("sortie-says-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    // The second is too low as well.
+    for text in [
+        CLOSED.to_owned(),
+        CLOSED.replace("max_amsl_m: 704", "max_amsl_m: 650"),
+    ] {
+        let spec = folder.join("closed.yaml");
+        std::fs::write(&spec, text).expect("a spec");
+        let out = Command::new(env!("CARGO_BIN_EXE_sortie"))
+            .args(["plan", "--out"])
+            .args([&folder.join("out"), &spec])
+            .output()
+            .expect("it runs");
+        assert_eq!(out.status.code(), Some(4));
+        let said = String::from_utf8_lossy(&out.stdout).into_owned();
+        let page = std::fs::read_to_string(folder.join("out/review.html")).expect("a page");
+        let reasons = said
+            .lines()
+            .filter_map(|line| line.strip_prefix("FAIL a: no path"));
+        let reasons: Vec<&str> = reasons.collect();
+        assert_eq!(reasons.len(), 1, "{said}");
+        let reason = format!("a: no path{}", reasons[0]);
+        assert!(page.contains(&format!("<li>{reason}</li>")), "{reason}");
+        assert!(
+            reason.contains("every way is closed by zone wall"),
+            "{reason}"
+        );
+        // A cross on the map for each place that is named.
+        let named = reason.matches("worst at").count();
+        assert!(named > 0, "{reason}");
+        assert_eq!(
+            page.matches("class=\"violation\"").count(),
+            named,
+            "{reason}"
+        );
+    }
+    std::fs::remove_dir_all(&folder).expect("it is there");
+}
+
 /// A wall of a metre across the whole area.
 const CLOSED: &str = "sortie: 1
 name: closed

@@ -231,6 +231,17 @@ fn the_gap_is_to_the_bound_and_only_of_plans_that_it_holds_for() {
 }
 
 #[test]
+fn no_cost_is_said_to_be_below_its_bound() {
+    let mut facts = facts(hilly_spec(IDS));
+    for plan in &mut facts.plan.vehicles {
+        plan.bound = plan.terms.total() * 1.0078;
+    }
+    let page = facts.html();
+    assert_eq!(page.matches("at most 0 % above the best").count(), 3);
+    assert!(!page.contains("at most -") && !page.contains("at most \u{2212}"));
+}
+
+#[test]
 fn every_pair_is_on_the_timeline_once_worst_first() {
     let facts = facts(hilly_spec(IDS));
     let held = facts.review.margins.iter();

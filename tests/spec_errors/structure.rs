@@ -72,6 +72,33 @@ fn line_ends_of_windows_and_a_byte_order_mark_change_nothing() {
 }
 
 #[test]
+fn a_file_of_another_kind_is_named_as_what_it_is() {
+    let rows = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n".repeat(300);
+    for (text, kind) in [
+        (
+            rows.as_str(),
+            "a mission file (QGC WPL), no spec: `sortie review` judges it",
+        ),
+        (
+            "{\"fileType\": \"Plan\", \"version\": 1}",
+            "a plan of QGroundControl, no spec: `sortie review` judges it",
+        ),
+        ("WPNAV_SPEED,1000\nRTL_ALT,3000\n", "\"WPNAV_SPEED,1000\""),
+        ("- a\n- b\n", "a list"),
+        ("", "nothing"),
+    ] {
+        let issues = issues(text);
+        let message = format!("{}{}", issues[0].found, issues[0].allowed);
+        assert_eq!(issues.len(), 1, "{issues:?}");
+        assert!(message.contains(kind) && message.len() < 250, "{message}");
+        assert!(
+            message.contains("YAML that begins with `sortie: 2`"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn broken_yaml_names_its_line_and_column() {
     let text = with("  min_agl_m: 60\n", "  min_agl_m: [60\n");
     let issue = &issues(&text)[0];

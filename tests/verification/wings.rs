@@ -73,6 +73,40 @@ fn climbing_plane() -> (MissionSpec, VehicleMission) {
     )
 }
 
+/// `Plane::do_change_speed` ignores a speed beyond the limits, and TECS keeps the cruise speed within
+/// them.
+#[test]
+fn a_planned_speed_beyond_the_airspeeds_of_the_parameters_is_said() {
+    let with = |params: &[(&str, f32)]| {
+        let (spec, mut mission) = climbing_plane();
+        mission
+            .params
+            .extend(params.iter().map(|&(name, value)| Parameter {
+                name: name.to_owned(),
+                value,
+                why: String::new(),
+            }));
+        margin(&spec, &mission, &Limit::Speed).expect("a margin")
+    };
+    assert!(with(&[]).ok);
+    assert!(with(&[("AIRSPEED_MAX", 22.0), ("AIRSPEED_MIN", 9.0)]).ok);
+    // Nothing says how fast it is.
+    let ignored = with(&[("AIRSPEED_MAX", 15.0)]);
+    assert!(!ignored.ok && ignored.value.is_nan(), "{ignored:?}");
+    assert!(
+        ignored
+            .note
+            .contains("no DO_CHANGE_SPEED within AIRSPEED_MAX 15"),
+        "{ignored:?}"
+    );
+    let slower = with(&[("ARSPD_FBW_MAX", 15.0), ("AIRSPEED_CRUISE", 18.0)]);
+    assert!(
+        !slower.ok && (slower.value - 3.0).abs() < 1e-6,
+        "{slower:?}"
+    );
+    assert!(slower.note.contains("within AIRSPEED_MAX 15"), "{slower:?}");
+}
+
 /// With a wind from a direction, in the spec and on the wing.
 fn windy(spec: &mut MissionSpec, from_deg: f64, speed_mps: f64) {
     let wind = Some(Wind {

@@ -194,10 +194,24 @@ pub(super) fn read_document(path: &Path) -> Result<Document, Failure> {
     Ok(document)
 }
 
-/// The parameters of a vehicle that stand in `<id>.params` next to its mission file, so that
-/// every command judges a mission with the same ones; none without that file.
+/// Extensions of parameter files: Sortie's and QGroundControl's, Mission Planner's, MAVProxy's.
+const PARAMS: [&str; 3] = ["params", "param", "parm"];
+
+/// The file with the parameters of a vehicle next to its mission file: by the id of the vehicle, or
+/// by the name of the mission.
+pub(super) fn params_path(path: &Path, id: &str) -> Option<PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let named = |stem: &str| PARAMS.map(|end| path.with_file_name(format!("{stem}.{end}")));
+    let mut found = named(id).into_iter().chain(named(&stem));
+    found.find(|params| params.symlink_metadata().is_ok())
+}
+
+/// The parameters of a vehicle that stand next to its mission file, so that every command judges a
+/// mission with the same ones; none without such a file.
 pub(super) fn read_params(path: &Path, id: &str) -> Result<Vec<Parameter>, Failure> {
-    let params = path.with_file_name(format!("{id}.params"));
+    let Some(params) = params_path(path, id) else {
+        return Ok(Vec::new());
+    };
     let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", params.display()));
     match read_regular(&params) {
         Ok(text) => formats::params::read(&text).map_err(|error| bad(error.to_string())),

@@ -197,13 +197,20 @@ fn without_spec(
         report_losses(&subject.id, &subject.path, &subject.document);
         paths.push(subject.path.clone());
     }
-    let made = without_spec::around(subjects, &arguments.limits)?;
+    let mut made = without_spec::around(subjects, &arguments.limits)?;
     for ((_, mission), path) in made.missions.iter().zip(&paths) {
         report_repairs(path, &mission.notes);
     }
     let judged: Vec<(usize, &VehicleMission)> =
         made.missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&made.spec, &made.world, &judged);
+    let rates = without_spec::judge_rates(
+        &mut review,
+        (&made.spec, &made.world),
+        &judged,
+        &arguments.limits,
+    );
+    made.assumed.extend(rates);
     let not_judged = without_spec::keep_given(&mut review, &made.spec, &arguments.limits);
     review.assumptions.extend(made.assumed.iter().cloned());
     for left_out in &not_judged {
@@ -363,10 +370,11 @@ fn named(arguments: &[String]) -> Result<Vec<(&str, PathBuf)>, Failure> {
 /// Prints what the format of a file cannot hold.
 fn report_losses(id: &str, path: &Path, document: &Document) {
     if folder::is_waypoints(path) && !document.is_fence_known && document.rally.is_empty() {
-        note(&format!(
-            "note: {id}: {}",
-            formats::known_losses(Format::Waypoints)
-        ));
+        let lost = match folder::params_path(path, id) {
+            None => formats::known_losses(Format::Waypoints),
+            Some(_) => "a .waypoints file holds no fence and no rally points: they are not judged",
+        };
+        note(&format!("note: {id}: {lost}"));
     }
 }
 

@@ -5,15 +5,17 @@ mod airframe;
 mod assumed;
 mod flags;
 mod given;
+mod rates;
 
 use std::path::{Path, PathBuf};
 
+use crate::autopilot::parameter;
 use crate::cli::args::{AutopilotName, Limits};
 use crate::cli::folder;
 use crate::cli::print::failure::Failure;
 use crate::formats::Document;
 use crate::geodesy::{Amsl, LatLon};
-use crate::mission::{Home, Item, VehicleMission, command, frame};
+use crate::mission::{self, Home, Item, Parameter, VehicleMission, command, frame};
 use crate::spec::{
     Airframe, Autopilot, Builder, EndPoint, Finish, MissionSpec, Placement, Separation, Vehicle,
     keys,
@@ -23,6 +25,7 @@ use crate::world::{Bounds, Terrain, World, read_terrain};
 
 use airframe::airframe;
 pub(crate) use given::keep_given;
+pub(crate) use rates::judge_rates;
 
 /// Positions further than this from the first one are not part of the area, degrees.
 const NEAR_DEG: f64 = 2.0;
@@ -58,14 +61,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         return Err(Failure::new(Failure::USAGE, message));
     }
     let mut assumed = Vec::new();
-    let documents = subjects.iter().map(|subject| &subject.document);
-    let positions: Vec<LatLon> = documents.flat_map(positions).collect();
-    // Without any position there is nothing to fly, and the verdict fails anywhere.
-    let middle = positions.first().copied().unwrap_or(LatLon {
-        lat_deg: 0.0,
-        lon_deg: 0.0,
-    });
-    let corners = corners(middle, &positions);
+    let corners = around_positions(&subjects);
     let mut whole: Option<(MissionSpec, String)> = None;
     let mut vehicles = Vec::new();
     let mut missions = Vec::new();
@@ -73,7 +69,8 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         let autopilot = autopilot(&subject, limits, &mut assumed);
         let airframe = airframe(&subject, limits, &mut assumed)?;
         let who = (autopilot, airframe);
-        let speed_mps = speed_mps(&subject.document, who, limits);
+        let params = params(&subject)?;
+        let speed_mps = speed_mps(&subject.document, &params, who, limits);
         let prototype = prototype(corners, who, speed_mps, limits);
         let file = prototype.file(Path::new("flags"));
         let file = file.map_err(|error| flags::refused(&error))?;
@@ -82,7 +79,10 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
             let home = home(&subject, limits, &spec, &mut assumed)?;
             let is_heading_known = autopilot == Autopilot::Px4 || limits.takeoff_heading.is_some();
             let mut vehicle = fit(prototype, &subject, &home, (index, is_heading_known));
-            let mut mission = mission(subject, home, who)?;
+            let mut mission = VehicleMission {
+                params,
+                ..mission(subject, home, who)?
+            };
             if !is_heading_known {
                 assumed::takeoff_heading(&mut vehicle, &mission, &mut assumed);
             }
@@ -111,6 +111,18 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         missions,
         assumed,
     })
+}
+
+/// The corners of a box around all positions.
+fn around_positions(subjects: &[Subject]) -> (LatLon, LatLon) {
+    let documents = subjects.iter().map(|subject| &subject.document);
+    let positions: Vec<LatLon> = documents.flat_map(positions).collect();
+    // Without any position there is nothing to fly, and the verdict fails anywhere.
+    let middle = positions.first().copied().unwrap_or(LatLon {
+        lat_deg: 0.0,
+        lon_deg: 0.0,
+    });
+    corners(middle, &positions)
 }
 
 /// Home first, then every item with a position.
@@ -241,16 +253,44 @@ fn autopilot(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> A
     })
 }
 
-/// The flag, or the first change of speed, or the default of the autopilot
-/// (`WPNAV_SPEED`, `MPC_XY_CRUISE`, `AIRSPEED_CRUISE`, `FW_AIRSPD_TRIM`).
-fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -> f64 {
-    let changes = document.items.iter();
-    let mut changes = changes.filter(|item| item.command == command::DO_CHANGE_SPEED);
-    let in_mission = changes
-        .find(|item| (0.5..=100.0).contains(&item.params[1]))
-        .map(|item| f64::from(item.params[1]));
-    let default = crate::autopilot::facts(who.0, who.1).defaults.cruise_mps();
-    limits.speed.or(in_mission).unwrap_or(default)
+/// `MAV_CMD_NAV_LAST`: commands up to it fly somewhere, or wait.
+const NAV_LAST: u16 = 95;
+
+/// The flag, or a change of speed before the first leg, or the parameter next to the mission, or
+/// the default of the autopilot (`WPNAV_SPEED`, `MPC_XY_CRUISE`, `AIRSPEED_CRUISE`,
+/// `FW_AIRSPD_TRIM`).
+fn speed_mps(
+    document: &Document,
+    params: &[Parameter],
+    who: (Autopilot, Airframe),
+    limits: &Limits,
+) -> f64 {
+    let defaults = crate::autopilot::facts(who.0, who.1).defaults;
+    let takeoffs = [command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF];
+    let flies = |item: &&Item| {
+        item.command <= NAV_LAST && item.place().is_some() && !takeoffs.contains(&item.command)
+    };
+    let before = document.items.iter().take_while(|item| !flies(item));
+    let changes = before.filter(|item| item.command == command::DO_CHANGE_SPEED);
+    let held = |name: &str| {
+        let per_si = parameter(name)?.unit.per_si();
+        Some(mission::value_of(params, name)? / per_si)
+    };
+    let [least, most] = defaults.speed_parameters;
+    let least_mps = least.and_then(held).unwrap_or(0.0);
+    let most_mps = most.and_then(held).unwrap_or(100.0);
+    let in_mission = { changes }
+        .map(|item| f64::from(item.params[1]))
+        .find(|mps| (0.5..=100.0).contains(mps) && (least_mps..=most_mps.min(100.0)).contains(mps));
+    let cruise = held(defaults.cruise_parameter).filter(|mps| (0.5..=100.0).contains(mps));
+    let first = limits.speed.or(in_mission).or(cruise);
+    first.unwrap_or_else(|| defaults.cruise_mps())
+}
+
+/// The parameters next to a mission.
+fn params(subject: &Subject) -> Result<Vec<Parameter>, Failure> {
+    let stem = subject.path.file_stem().unwrap_or_default();
+    folder::read_params(&subject.path, &stem.to_string_lossy())
 }
 
 /// Home of the file, or of the flag, or on the terrain; else 0, 0, for which the verdict fails.
@@ -288,24 +328,21 @@ fn home(
     Ok(home)
 }
 
-/// The mission with its home and the parameters next to it.
+/// The mission with its home.
 fn mission(
     subject: Subject,
     home: Home,
     (autopilot, airframe): (Autopilot, Airframe),
 ) -> Result<VehicleMission, Failure> {
-    let stem = subject.path.file_stem().unwrap_or_default();
-    let params = folder::read_params(&subject.path, &stem.to_string_lossy())?;
     let document = Document {
         home: Some(home),
         ..subject.document
     };
     let mission = document.into_mission(autopilot, airframe);
-    let mission = mission.map_err(|error| {
+    mission.map_err(|error| {
         let message = format!("{}: {error}", subject.path.display());
         Failure::new(Failure::INPUT, message)
-    })?;
-    Ok(VehicleMission { params, ..mission })
+    })
 }
 
 /// The prototype at the mission: its home, its first position, its last.

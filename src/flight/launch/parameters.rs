@@ -1,6 +1,6 @@
 //! The parameters that the verdict assumes, against those of the vehicle.
 
-use crate::autopilot::other_name;
+use crate::autopilot::{in_unit_of, other_name};
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
 use crate::mission::{Parameter, is_lean_limit};
 
@@ -18,10 +18,10 @@ pub(crate) struct SettingsCheck<'a> {
     requested: u8,
     /// Whether a difference is set right.
     set: bool,
-    /// What is being set.
-    setting: Option<ParamValue>,
+    /// What is being set, under the name that the vehicle has for it.
+    setting: Option<(String, ParamValue)>,
     bytewise: bool,
-    /// Names that the vehicle does not tell.
+    /// Names that the vehicle does not have.
     unknown: Vec<&'a str>,
     differences: Vec<String>,
 }
@@ -49,20 +49,22 @@ impl<'a> SettingsCheck<'a> {
 
     /// Takes in a parameter of the vehicle.
     pub(crate) fn heard(&mut self, now: Time, name: &str, held: ParamValue) {
-        let Some(planned) = self.planned.get(self.at).filter(|w| w.name == name) else {
+        let at_work = self.planned.get(self.at);
+        let Some(planned) = at_work.filter(|planned| is_name_of(name, planned)) else {
             return;
         };
+        let planned_value = value_as(planned, name);
         let value = held.value(self.bytewise);
-        if suffices(name, value, planned.value) {
+        if suffices(name, value, planned_value) {
             return self.next(now);
         }
         if self.set && self.setting.is_none() {
-            self.setting = Some(held.with(planned.value, self.bytewise));
+            self.setting = Some((name.to_owned(), held.with(planned_value, self.bytewise)));
             (self.due, self.requested) = (now, 0);
         } else if !self.set {
             self.differences.push(format!(
-                "parameter {name} is {value}, the verdict assumes {} ({})",
-                planned.value, planned.why
+                "parameter {name} is {value}, the verdict assumes {planned_value} ({})",
+                planned.why
             ));
             self.next(now);
         }
@@ -74,7 +76,9 @@ impl<'a> SettingsCheck<'a> {
         if now < self.due {
             return None;
         }
-        if self.requested >= MOST {
+        let other = other_name(&planned.name);
+        let names = 1 + u8::from(other.is_some());
+        if self.requested >= MOST * names {
             if self.setting.is_some() {
                 self.differences.push(format!(
                     "parameter {} does not take {}",
@@ -92,16 +96,20 @@ impl<'a> SettingsCheck<'a> {
             self.next(now);
             return self.poll(now, target);
         }
+        // A vehicle knows one of the names, by its version: they take turns.
+        let turn = other.filter(|_| self.requested % 2 == 1);
         self.requested += 1;
         self.due = now + REPEAT_MS;
-        let name = planned.name.clone();
-        Some(Message::Flight(match self.setting {
-            Some(value) => FlightMessage::ParamSet {
+        Some(Message::Flight(match self.setting.clone() {
+            Some((name, value)) => FlightMessage::ParamSet {
                 target,
                 name,
                 value,
             },
-            None => FlightMessage::ParamRead { target, name },
+            None => FlightMessage::ParamRead {
+                target,
+                name: turn.unwrap_or(&planned.name).to_owned(),
+            },
         }))
     }
 
@@ -116,6 +124,23 @@ impl<'a> SettingsCheck<'a> {
     fn next(&mut self, now: Time) {
         self.at += 1;
         (self.requested, self.due, self.setting) = (0, now, None);
+    }
+}
+
+/// Whether a vehicle has a planned parameter under this name, in whichever version.
+fn is_name_of(name: &str, planned: &Parameter) -> bool {
+    planned.name == name || other_name(&planned.name) == Some(name)
+}
+
+/// The planned value in the unit that the parameter has under this name.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "parameters are float32 on the wire"
+)]
+fn value_as(planned: &Parameter, name: &str) -> f32 {
+    match planned.name == name {
+        true => planned.value,
+        false => in_unit_of(f64::from(planned.value), &planned.name, name) as f32,
     }
 }
 
@@ -163,6 +188,70 @@ mod tests {
         assert!(suffices("ANGLE_MAX", 4500.0, 3000.0) && suffices("MPC_TILTMAX_AIR", 50.0, 45.0));
         assert!(!suffices("ANGLE_MAX", 2000.0, 3000.0));
         assert!(!suffices("WPNAV_SPEED", 1100.0, 1000.0));
+    }
+
+    /// A vehicle of ArduCopter 4.7, with these of its parameters: what differs, and what is set.
+    fn of_4_7(own: &[(&str, f32)], set: bool) -> (Vec<String>, Vec<(String, f32)>, Time) {
+        let planned = [
+            ("WPNAV_SPEED", 1200.0),
+            ("RTL_ALT", 4000.0),
+            ("WPNAV_RADIUS", 500.0),
+        ];
+        let planned = planned.map(|(name, value)| Parameter {
+            name: name.to_owned(),
+            value,
+            why: String::new(),
+        });
+        let mut own = own.to_vec();
+        let mut now = Time(0);
+        let mut check = SettingsCheck::new(&planned, set, false, now);
+        let target = Address {
+            system: 1,
+            component: 1,
+        };
+        let mut sets = Vec::new();
+        while check.outcome().is_none() {
+            let asked = check.poll(now, target);
+            if let Some(Message::Flight(FlightMessage::ParamSet { name, value, .. })) = &asked {
+                sets.push((name.clone(), value.value(false)));
+                let held = own.iter_mut().find(|(known, _)| known == name);
+                held.expect("a parameter that it has").1 = value.value(false);
+            }
+            let name = match asked {
+                Some(Message::Flight(
+                    FlightMessage::ParamRead { name, .. } | FlightMessage::ParamSet { name, .. },
+                )) => name,
+                _ => String::new(),
+            };
+            if let Some((_, value)) = own.iter().find(|(known, _)| *known == name) {
+                check.heard(now, &name, ParamValue::float(*value));
+            }
+            now = now + REPEAT_MS;
+        }
+        (check.outcome().unwrap_or_default().to_vec(), sets, now)
+    }
+
+    #[test]
+    fn parameters_of_arducopter_4_7_are_compared_and_set_under_its_names_in_metres() {
+        let as_planned = [("WP_SPD", 12.0), ("RTL_ALT_M", 40.0), ("WP_RADIUS_M", 5.0)];
+        let (differences, _, until) = of_4_7(&as_planned, false);
+        assert!(differences.is_empty(), "{differences:?}");
+        // The second name is asked for after one turn, not after all.
+        assert!(until <= Time(8 * REPEAT_MS), "{until:?}");
+        let stock = [("WP_SPD", 10.0), ("RTL_ALT_M", 15.0), ("WP_RADIUS_M", 5.0)];
+        let (differences, _, _) = of_4_7(&stock, false);
+        assert_eq!(differences.len(), 2, "{differences:?}");
+        assert!(differences[0].contains("WP_SPD is 10, the verdict assumes 12"));
+        let (differences, sets, _) = of_4_7(&stock, true);
+        assert!(differences.is_empty(), "{differences:?}");
+        let expected = [("WP_SPD".to_owned(), 12.0), ("RTL_ALT_M".to_owned(), 40.0)];
+        assert_eq!(sets, expected);
+        let (differences, _, _) = of_4_7(&stock[..1], false);
+        assert!(
+            differences
+                .iter()
+                .any(|text| text.contains("RTL_ALT is not known"))
+        );
     }
 
     #[test]

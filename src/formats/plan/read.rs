@@ -237,6 +237,12 @@ fn check_altitude(
         Some(altitude_mode::RELATIVE) => frame::GLOBAL_RELATIVE_ALT,
         Some(altitude_mode::ABSOLUTE) => frame::GLOBAL,
         Some(altitude_mode::TERRAIN) => frame::GLOBAL_TERRAIN_ALT,
+        // QGroundControl computes altitudes above the sea.
+        Some(altitude_mode::CALCULATED)
+            if item.z.is_finite() && frame::canonical(item.frame) != frame::GLOBAL =>
+        {
+            return Err(mode.bad("the reference of the item's frame"));
+        }
         Some(altitude_mode::CALCULATED) if item.z.is_finite() => return Ok(()),
         Some(altitude_mode::CALCULATED) => {
             let z = node.get("params");

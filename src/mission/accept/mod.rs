@@ -8,6 +8,7 @@
 pub(super) mod differences;
 pub(super) mod fence;
 pub(super) mod item;
+mod param_fence;
 pub(super) mod whole;
 pub(super) mod wing;
 
@@ -109,6 +110,10 @@ static RULES: &[(&str, Check)] = &[
     ("departure delay", Check::Item(wing::departure_delay)),
     ("whole numbers", Check::Item(wing::whole_numbers)),
     ("landing approach", Check::Mission(wing::landing_approach)),
+    (
+        "fence of the parameters",
+        Check::Mission(param_fence::inside),
+    ),
 ];
 
 /// Everything in a mission, its fence and its rally points that the autopilot would reject or

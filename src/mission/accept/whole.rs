@@ -21,7 +21,9 @@ pub(crate) fn item_count(profile: &Profile, mission: &VehicleMission) -> Option<
 }
 
 pub(crate) fn jump_count(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
-    let jumps = mission.items.iter().filter(|item| is_jump(item));
+    // A jump to a tag takes a place of storage as well.
+    let counts = |item: &&Item| is_jump(item) || item.command == command::DO_JUMP_TAG;
+    let jumps = mission.items.iter().filter(counts);
     let (count, limit) = (jumps.count(), profile.facts.capacity.jumps);
     let finding = || (format!("{count} DO_JUMP items"), limit.to_string());
     (count > limit).then(|| (0, finding()))

@@ -101,8 +101,7 @@ pub(crate) fn landing_approach(
         );
     }
     // Without the parameters the limit is not known.
-    let steepest = |name: &str| mission.params.iter().find(|param| param.name == name);
-    let steepest_deg = f64::from(steepest(STEEPEST_GLIDE)?.value);
+    let steepest_deg = mission.param(STEEPEST_GLIDE)?;
     let length_m = before.place()?.chord_m(landing.place()?);
     let glide_deg = height_m.atan2(length_m).to_degrees();
     if before.command == command::NAV_WAYPOINT && glide_deg > steepest_deg + GLIDE_SLACK_DEG {

@@ -127,7 +127,7 @@ fn cost(planned: Option<&VehiclePlan>) -> String {
         || "<td class=\"num\">–</td>".to_owned(),
         |plan| {
             let above = plan.gap().map_or_else(String::new, |gap| {
-                let percent = words::number(gap * 100.0, 2);
+                let percent = words::number(gap.max(0.0) * 100.0, 2);
                 format!("<small>at most {percent} % above the best</small>")
             });
             let total = words::number(plan.terms.total(), 3);

@@ -60,6 +60,15 @@ pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRea
         Ok(keys) => return Ok(keys.into()),
         Err(error) => error,
     };
+    if let Some(found) = other_kind(yaml) {
+        return Err(vec![Issue {
+            path: String::new(),
+            table: None,
+            position: Some((1, 1)),
+            found,
+            allowed: "a mission spec: YAML that begins with `sortie: 2`".to_owned(),
+        }]);
+    }
     let mut first = Some(problem(&error));
     let Ok(value) = serde_yaml::from_str::<Value>(yaml) else {
         return Err(first.into_iter().collect());
@@ -100,6 +109,28 @@ pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRea
                 });
             }
             Err(next) => error = next,
+        }
+    }
+}
+
+/// What a text is instead of a spec, if it is of another kind, and which command reads that.
+fn other_kind(text: &str) -> Option<String> {
+    let reviewed = |kind: &str| Some(format!("{kind}, no spec: `sortie review` judges it"));
+    if text.starts_with("QGC WPL") {
+        return reviewed("a mission file (QGC WPL)");
+    }
+    if text.trim_start().starts_with('{') && text.contains("\"fileType\"") {
+        return reviewed("a plan of QGroundControl");
+    }
+    match serde_yaml::from_str::<Value>(text) {
+        Ok(Value::Mapping(_)) | Err(_) => None,
+        Ok(Value::Null) => Some("nothing".to_owned()),
+        Ok(Value::Sequence(_)) => Some("a list".to_owned()),
+        Ok(_) => {
+            const SHOWN: usize = 40;
+            let line = text.lines().find(|line| !line.trim().is_empty());
+            let start: String = line.unwrap_or_default().chars().take(SHOWN).collect();
+            Some(format!("text without keys that begins with {start:?}"))
         }
     }
 }

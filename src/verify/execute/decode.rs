@@ -1,10 +1,11 @@
 //! The orders of a mission in the sequence in which the autopilot executes them.
 
 use super::item::{self, Order};
-use super::jumps::{Jumps, Next, jump};
+use super::jumps::{Jumps, Next, is_jump, jump};
 use super::wing::items;
+use crate::autopilot::Autopilot;
 use crate::geodesy::Amsl;
-use crate::mission::{VehicleMission, command};
+use crate::mission::{Item, VehicleMission, command, frame};
 
 /// Commands with greater numbers do not navigate.
 const NAV_LAST: u16 = command::NAV_LAST;
@@ -77,6 +78,16 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> Orders {
     orders
 }
 
+/// Whether an item is above ground and ArduPilot has no terrain data, by the parameters.
+fn needs_terrain(item: &Item, mission: &VehicleMission) -> bool {
+    mission.autopilot == Autopilot::ArduPilot
+        && frame::canonical(item.frame) == frame::GLOBAL_TERRAIN_ALT
+        && item.command <= NAV_LAST
+        && mission
+            .param("TERRAIN_ENABLE")
+            .is_some_and(|on| on.abs() < 0.5)
+}
+
 fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unknown> {
     let steps = &mut orders.steps;
     let mut jumps = vec![Jumps::NotMet; mission.items.len()];
@@ -89,7 +100,11 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
         let item = mission.items.get(next)?;
         let row = next + 1;
         let unknown = |why: String| Some(Unknown { row, why });
-        if item.command == command::DO_JUMP {
+        if needs_terrain(item, mission) {
+            let why = "an altitude above ground, and TERRAIN_ENABLE is 0";
+            return unknown(why.to_owned());
+        }
+        if is_jump(item, mission.autopilot) {
             match jump(item, next, mission, &mut jumps[next]) {
                 Ok(Next::Item(index)) => next = index,
                 Ok(Next::Again(index)) => {

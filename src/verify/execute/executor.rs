@@ -11,7 +11,9 @@ use nalgebra::Vector3;
 
 use crate::autopilot::Cornering;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
-use crate::mission::{VehicleMission, acceptance_m, corner_accel_mps2, cruise_speed_mps};
+use crate::mission::{
+    VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps, within_speeds_mps,
+};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
@@ -39,6 +41,7 @@ pub(crate) fn fly(
     tolerance_m: f64,
 ) -> Flight {
     let orders = decode::decode(mission, home.amsl);
+    let vehicle = &*as_set(vehicle, mission);
     let mut pilot = Pilot {
         vehicle,
         world,
@@ -94,7 +97,7 @@ pub(crate) struct Pilot<'a> {
     pub(crate) ended: bool,
     pub(crate) phase: Phase,
     /// Commanded speed, if known.
-    speed_mps: Option<f64>,
+    pub(crate) speed_mps: Option<f64>,
     /// Where the vehicle last stopped, or left the ground, and where it goes from there.
     pub(crate) knots: Vec<Knot>,
     /// Commanded speed at the first knot, m/s; 0 at rest.
@@ -212,7 +215,10 @@ impl Pilot<'_> {
         }
         match step.order {
             Order::Nothing => {}
-            Order::Speed { speed_mps } => self.speed_mps = Some(speed_mps),
+            Order::Speed { speed_mps } => {
+                self.speed_mps = Some(within_speeds_mps(mission, speed_mps));
+            }
+            Order::OwnSpeed => self.speed_mps = cruise_speed_mps(mission),
             Order::Wait { hold_s } if !self.airborne => {
                 *self.flight.delay_s.get_or_insert(0.0) += hold_s;
             }
@@ -245,7 +251,11 @@ impl Pilot<'_> {
     ) -> Result<(), Unknown> {
         let row = step.row;
         match step.order {
-            Order::Nothing | Order::Speed { .. } | Order::Wait { .. } | Order::Takeoff { .. } => {}
+            Order::Nothing
+            | Order::Speed { .. }
+            | Order::OwnSpeed
+            | Order::Wait { .. }
+            | Order::Takeoff { .. } => {}
             Order::Fly { at, height, hold_s } => {
                 self.turns_by_itself(row, &mission.items[row - 1])?;
                 self.head_for(row, self.or_here(at), height)?;

@@ -82,6 +82,8 @@ pub(crate) enum Order {
     Return,
     /// From now on this ground speed, m/s.
     Speed { speed_mps: f64 },
+    /// From now on the speed of its parameters again.
+    OwnSpeed,
     /// Nothing that moves the vehicle.
     Nothing,
 }
@@ -140,7 +142,7 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
         command::NAV_DELAY => Ok(Order::Wait {
             hold_s: delay_s(item, autopilot)?,
         }),
-        command::DO_CHANGE_SPEED => speed(item),
+        command::DO_CHANGE_SPEED => speed(item, autopilot),
         _ => without_order(item),
     }
 }
@@ -195,9 +197,10 @@ fn without_order(item: &Item) -> Result<Order, String> {
     }
 }
 
-fn speed(item: &Item) -> Result<Order, String> {
+fn speed(item: &Item, autopilot: Autopilot) -> Result<Order, String> {
     let [kind, speed_mps, ..] = item.params.map(f64::from);
-    // Airspeed and ground speed are one to a copter; -1 and -2 leave the speed as it is.
+    // Airspeed and ground speed are one to a copter. Without a speed ArduPilot leaves it as it is,
+    // and PX4 flies that of its parameters again (`Navigator::set_cruising_speed`).
     if kind.is_nan() || !(kind.trunc().abs() < 0.5 || (kind.trunc() - 1.0).abs() < 0.5) {
         return Err(format!(
             "DO_CHANGE_SPEED of kind {kind} changes the vertical speed"
@@ -206,7 +209,10 @@ fn speed(item: &Item) -> Result<Order, String> {
     if speed_mps > 0.0 && speed_mps.is_finite() {
         Ok(Order::Speed { speed_mps })
     } else if speed_mps < 0.0 && speed_mps.is_finite() {
-        Ok(Order::Nothing)
+        Ok(match autopilot {
+            Autopilot::ArduPilot => Order::Nothing,
+            Autopilot::Px4 => Order::OwnSpeed,
+        })
     } else {
         Err(format!("DO_CHANGE_SPEED to {speed_mps} m/s"))
     }

@@ -1,7 +1,7 @@
 //! Jumps in a mission (`DO_JUMP`), as autopilots make them.
 
 use crate::autopilot::Autopilot;
-use crate::mission::{Item, VehicleMission};
+use crate::mission::{Item, VehicleMission, command};
 
 /// How often a jump is still made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,9 +27,32 @@ pub(crate) enum Next {
     Repeats,
 }
 
-/// The index of the item after a DO_JUMP.
+/// Whether an item jumps: to a number, or, for ArduPilot, to the first `JUMP_TAG` with a number
+/// (`AP_Mission::get_index_of_jump_tag`).
+pub(crate) fn is_jump(item: &Item, autopilot: Autopilot) -> bool {
+    item.command == command::DO_JUMP
+        || item.command == command::DO_JUMP_TAG && autopilot == Autopilot::ArduPilot
+}
+
+/// The index of the item that a jump goes to, if there is one.
+fn target(item: &Item, mission: &VehicleMission) -> Result<usize, String> {
+    let target = f64::from(item.params[0]);
+    if item.command == command::DO_JUMP {
+        let first = f64::from(1 - mission.autopilot.first_row());
+        let to = whole(target - first).filter(|&to| to < mission.items.len());
+        return to.ok_or_else(|| format!("a jump (DO_JUMP) to item {target}, which there is not"));
+    }
+    let is_tag = |other: &Item| {
+        let tag = f64::from(other.params[0]);
+        other.command == command::JUMP_TAG && whole(tag).is_some() && whole(tag) == whole(target)
+    };
+    let to = mission.items.iter().position(is_tag);
+    to.ok_or_else(|| format!("a jump to the JUMP_TAG {target}, which there is not"))
+}
+
+/// The index of the item after a jump.
 ///
-/// `param1` is a number as the autopilot counts, `param2` how often. Neither autopilot counts a
+/// `param1` is a number as the autopilot counts, or of a tag, `param2` how often. Neither autopilot counts a
 /// completed jump anew within a mission, which a loop within a loop needs: such a jump is rejected.
 pub(crate) fn jump(
     item: &Item,
@@ -37,15 +60,12 @@ pub(crate) fn jump(
     mission: &VehicleMission,
     jumps: &mut Jumps,
 ) -> Result<Next, String> {
-    let [target, times, ..] = item.params.map(f64::from);
+    let times = f64::from(item.params[1]);
     let is_endless = times.to_bits() == (-1.0_f64).to_bits();
     if is_endless && mission.autopilot == Autopilot::Px4 {
         return Err("a jump (DO_JUMP) made -1 times: PX4 counts from 0".to_owned());
     }
-    let first = f64::from(1 - mission.autopilot.first_row());
-    let to = whole(target - first)
-        .filter(|&to| to < mission.items.len())
-        .ok_or_else(|| format!("a jump (DO_JUMP) to item {target}, which there is not"))?;
+    let to = target(item, mission)?;
     if to == index {
         return Err("a jump (DO_JUMP) to itself".to_owned());
     }

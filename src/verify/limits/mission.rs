@@ -249,14 +249,36 @@ impl Contract<'_> {
                     } else {
                         "WPNAV_SPEED"
                     };
+                    let beyond = self
+                        .held_speeds()
+                        .map_or_else(String::new, |held| format!(" within {held}"));
                     let why = format!(
-                        "no DO_CHANGE_SPEED before it and no {name}: the speed is the vehicle's own"
+                        "no DO_CHANGE_SPEED{beyond} before it and no {name}: the speed is the vehicle's own"
                     );
                     worst.unknown(SPEED_MPS, why, at());
                 }
             }
         }
-        worst.margin(self.id(), Limit::Speed, "m/s")
+        let mut margin = worst.margin(self.id(), Limit::Speed, "m/s")?;
+        if let Some(held) = self
+            .held_speeds()
+            .filter(|_| !margin.ok && margin.note.is_empty())
+        {
+            margin.note = format!("the parameters hold it within {held}");
+        }
+        Some(margin)
+    }
+
+    /// The parameters between which the vehicle keeps its speed, with their values, if the mission
+    /// has them.
+    fn held_speeds(&self) -> Option<String> {
+        let names = self.mission.facts().defaults.speed_parameters;
+        let held: Vec<String> = names
+            .into_iter()
+            .flatten()
+            .filter_map(|name| Some(format!("{name} {}", self.mission.param_si(name)?)))
+            .collect();
+        (!held.is_empty()).then(|| held.join(" and "))
     }
 
     /// Climb and descent: the angle on the route, the vertical speed on every leg.

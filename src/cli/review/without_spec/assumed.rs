@@ -1,7 +1,7 @@
 //! What no mission file says and its flight depends on: where it begins without a takeoff, and by
 //! which parameters it returns.
 
-use crate::autopilot::{Airframe, Autopilot, parameter};
+use crate::autopilot::{Airframe, Autopilot, other_name, parameter};
 use crate::cli::args::Limits;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, Parameter, VehicleMission, command, frame};
@@ -49,15 +49,19 @@ pub(super) fn returns(
         (Autopilot::ArduPilot, false) => &["RTL_ALT", "RTL_CONE_SLOPE", "RTL_LOIT_TIME"],
         (Autopilot::Px4, false) => &["RTL_RETURN_ALT", "RTL_CONE_ANG"],
     };
+    if limits.return_amsl.is_some() && !has_wing {
+        // The flag says so, whatever the parameters next to the mission say.
+        drop_param(mission, "RTL_ALT");
+        drop_param(mission, "RTL_RETURN_ALT");
+    }
     let mut stated = Vec::new();
     for name in names {
         let Some(row) = parameter(name) else { continue };
         let given = limits.return_amsl.filter(|_| *name == "RTL_ALTITUDE");
-        let is_held = |param: &Parameter| param.name == *name;
-        if given.is_none() && mission.params.iter().any(is_held) {
+        if given.is_none() && mission.param(name).is_some() {
             continue;
         }
-        mission.params.retain(|param| !is_held(param));
+        drop_param(mission, name);
         #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
         let value = given.map_or(row.default, |amsl_m| {
             (amsl_m - f64::from(mission.home.amsl_m)) as f32
@@ -77,6 +81,12 @@ pub(super) fn returns(
             mission.autopilot.name()
         ));
     }
+}
+
+/// Removes a parameter, under whichever of its names.
+fn drop_param(mission: &mut VehicleMission, name: &str) {
+    let is_it = |held: &str| held == name || other_name(name) == Some(held);
+    mission.params.retain(|param| !is_it(&param.name));
 }
 
 /// Points the takeoff of a plane to its first place: no file holds the course that it has.

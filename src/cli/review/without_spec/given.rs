@@ -35,8 +35,16 @@ fn flag(basis: Basis, limits: &Limits) -> Option<(bool, &'static str, &'static s
     })
 }
 
-/// Whether a margin was judged against something that was given.
-fn is_judged(margin: &Margin, limits: &Limits) -> bool {
+/// Whether a margin was judged against something that was given, or that a wing has.
+fn is_judged(margin: &Margin, spec: &MissionSpec, limits: &Limits) -> bool {
+    let is_rate = matches!(margin.limit, Limit::ClimbSpeed | Limit::DescentSpeed);
+    let mut vehicles = spec.vehicles.iter();
+    let vehicle = vehicles.find(|vehicle| vehicle.id == margin.vehicle);
+    // Of a copter that is slower than commanded nobody knows when it is where.
+    let is_timed = limits.separation.is_some() && spec.vehicles.len() > 1 && !margin.ok;
+    if is_rate && vehicle.is_some_and(|vehicle| vehicle.airframe.has_wing() || is_timed) {
+        return true;
+    }
     match (flag(margin.limit.basis(), limits), margin.limit.basis()) {
         (Some((is_given, ..)), _) => is_given,
         (None, Basis::HomeRow) => !margin.ok,
@@ -47,7 +55,9 @@ fn is_judged(margin: &Margin, limits: &Limits) -> bool {
 /// Keeps the margins that were judged against something that was given. Returns the names and
 /// flags of the limits that were not judged.
 pub(crate) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limits) -> Vec<String> {
-    review.margins.retain(|margin| is_judged(margin, limits));
+    review
+        .margins
+        .retain(|margin| is_judged(margin, spec, limits));
     if limits.terrain.is_none() && !limits.no_terrain {
         for vehicle in &spec.vehicles {
             review.margins.push(Margin::unjudged(
@@ -58,9 +68,15 @@ pub(crate) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limit
         }
     }
     let is_pair = spec.vehicles.len() > 1;
+    let all_wings = spec
+        .vehicles
+        .iter()
+        .all(|vehicle| vehicle.airframe.has_wing());
+    let is_rate = |basis: &Basis| matches!(basis, Basis::ClimbSpeed | Basis::DescentSpeed);
     BY_FLAG
         .into_iter()
         .filter(|basis| *basis != Basis::Separation || is_pair)
+        .filter(|basis| !(all_wings && is_rate(basis)))
         .filter_map(|basis| flag(basis, limits))
         .filter(|(is_given, ..)| !is_given)
         .map(|(_, name, flag)| format!("{name} ({flag})"))

@@ -1,7 +1,7 @@
 //! How a flight ends: landed, at home again, or in the air for ever.
 
 use super::Pilot;
-use crate::autopilot::{Autopilot, Motion, SLOW_LANDING_M, command_row, parameter};
+use crate::autopilot::{Autopilot, Motion, ParameterRow, SLOW_LANDING_M, command_row, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command};
 use crate::path::heading_rad;
@@ -17,14 +17,44 @@ const SAME_M: f64 = 1.0;
 const LEAST_RETURN_M: f64 = 2.0;
 /// `RTL_MIN_CONE_SLOPE` of ArduCopter: with less there is no cone.
 const LEAST_CONE_SLOPE: f64 = 0.5;
-/// `RTL_ABS_MIN_CLIMB` of ArduCopter, metres.
-const LEAST_CLIMB_M: f64 = 2.5;
+/// `CLIMB_BEFORE_TURN` of `FLIGHT_OPTIONS` (`ArduPlane/defines.h`).
+const CLIMB_FIRST: f64 = 16.0;
+/// A return altitude that differs from the one of the spec by more is the one that is flown, metres.
+const SAME_ALTITUDE_M: f64 = 0.1;
 
 /// A parameter of the mission in SI units (angles in degrees), if it is given.
 pub(crate) fn held(mission: &VehicleMission, name: &str) -> Option<f64> {
-    let found = mission.params.iter().find(|param| param.name == name)?;
-    let value = f64::from(found.value) / parameter(name)?.unit.per_si();
-    value.is_finite().then_some(value)
+    mission.param_si(name)
+}
+
+/// The same, or its default.
+fn held_or_default(mission: &VehicleMission, name: &str) -> f64 {
+    held(mission, name)
+        .or_else(|| parameter(name).map(ParameterRow::default_si))
+        .unwrap_or(0.0)
+}
+
+/// Why the parameters lead a return elsewhere than this verdict does, if they do.
+fn other_return(mission: &VehicleMission) -> Option<String> {
+    let mut known = mission.facts().returns_with.iter();
+    known.find_map(|(name, value)| {
+        let held = mission.param(name)?;
+        let is_it = (held - value).abs() < 0.5;
+        (!is_it).then(|| format!("a return with {name} {held}"))
+    })
+}
+
+/// The altitude above home that `ArduCopter` does not return above, by the fence of its parameters,
+/// metres (`ModeRTL::compute_return_target`).
+fn below_fence_m(mission: &VehicleMission) -> f64 {
+    let is_on = |name: &str| held(mission, name).is_some_and(|value| value > 0.5);
+    let kinds = held_or_default(mission, "FENCE_TYPE");
+    let has_ceiling = kinds.rem_euclid(2.0) >= 1.0;
+    if has_ceiling && (is_on("FENCE_ENABLE") || is_on("FENCE_AUTOENABLE")) {
+        held_or_default(mission, "FENCE_ALT_MAX") - held_or_default(mission, "FENCE_MARGIN")
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// The middle of the box around points.
@@ -93,13 +123,19 @@ impl Pilot<'_> {
         if !mission.rally.is_empty() {
             return refuse("NAV_RETURN_TO_LAUNCH with rally points may end at one of them");
         }
+        if let Some(why) = other_return(mission) {
+            return refuse(&why);
+        }
         if self.vehicle.airframe.has_wing() {
             return self.return_on_wing(row, mission);
         }
         self.stop()?;
+        // What the parameters say is flown, whatever the spec says.
         let own_m = self.own_return_m(mission);
         let given_m = self.vehicle.return_amsl.map(|amsl| amsl.0);
-        let Some(return_m) = given_m.or(own_m) else {
+        let is_same =
+            |given_m: &f64| own_m.is_none_or(|own_m| (own_m - given_m).abs() <= SAME_ALTITUDE_M);
+        let Some(return_m) = given_m.filter(is_same).or(own_m) else {
             return refuse(
                 "NAV_RETURN_TO_LAUNCH, and no return altitude is given (return_amsl_m, --return-amsl)",
             );
@@ -108,43 +144,74 @@ impl Pilot<'_> {
         if self.last().amsl_m < return_m {
             self.climb(row, return_m);
         }
+        if let Some(speed_mps) = held(mission, "RTL_SPEED").filter(|mps| *mps > 0.0) {
+            self.speed_mps = Some(speed_mps);
+        }
         let knot = self.knot(row, self.home.at, self.last().amsl_m, None);
         self.append(knot)?;
         self.stop()?;
-        if given_m.is_none() {
-            self.hold(row, held(mission, "RTL_LOIT_TIME").unwrap_or(0.0));
+        self.end_over_home(row, mission)
+    }
+
+    /// Waits over home, and lands there or stays, by the parameters.
+    fn end_over_home(&mut self, row: usize, mission: &VehicleMission) -> Result<(), Unknown> {
+        let (wait, stays_m) = match mission.autopilot {
+            Autopilot::ArduPilot => {
+                let final_m = held(mission, "RTL_ALT_FINAL").unwrap_or(0.0);
+                let stays_m = (final_m > 0.0).then_some(self.home.amsl.0 + final_m);
+                ("RTL_LOIT_TIME", stays_m)
+            }
+            // At `RTL_DESCEND_ALT`; above it as well as far as is known.
+            Autopilot::Px4 => ("RTL_LAND_DELAY", None),
+        };
+        let wait_s = held(mission, wait).unwrap_or(0.0);
+        if wait_s < 0.0 {
+            return Unknown::err(row, "a return that stays over home (RTL_LAND_DELAY -1)");
         }
-        self.touch_down(row)
+        self.hold(row, wait_s);
+        let Some(stays_m) = stays_m else {
+            return self.touch_down(row);
+        };
+        let descent_mps = self.vehicle.descent_mps;
+        self.lift(row, stays_m, descent_mps, true);
+        self.finish(row, mission)
     }
 
     /// The altitude above the sea at which the autopilot returns from here by its own parameters,
     /// if those are given, metres: never below the present one, and lower near home
-    /// (`ModeRTL::compute_return_target`; `RTL::calculate_return_alt_from_cone_half_angle`).
+    /// (`ModeRTL::compute_return_target`; `RTL::computeReturnAltitude`, whose cone ends at
+    /// `RTL_MIN_DIST`).
     fn own_return_m(&self, mission: &VehicleMission) -> Option<f64> {
         let (last, home_m) = (self.last(), self.home.amsl.0);
         let away_m = last.at.distance_m(self.home.at);
         let above_m = last.amsl_m - home_m;
         let climbed_m = match mission.autopilot {
             Autopilot::ArduPilot => {
-                let full_m = held(mission, "RTL_ALT")?.max(LEAST_RETURN_M).max(above_m);
-                let slope = held(mission, "RTL_CONE_SLOPE").unwrap_or(0.0);
-                if slope >= LEAST_CONE_SLOPE {
-                    full_m.min((away_m * slope).max(above_m + LEAST_CLIMB_M))
+                let climbed_m = above_m + held_or_default(mission, "RTL_CLIMB_MIN").max(0.0);
+                let least_m = climbed_m.max(LEAST_RETURN_M);
+                let full_m = held(mission, "RTL_ALT")?.max(least_m);
+                let slope = held_or_default(mission, "RTL_CONE_SLOPE");
+                let target_m = if slope >= LEAST_CONE_SLOPE {
+                    full_m.min((away_m * slope).max(least_m))
                 } else {
                     full_m
-                }
+                };
+                target_m.min(below_fence_m(mission))
             }
             Autopilot::Px4 => {
                 let full_m = held(mission, "RTL_RETURN_ALT")?;
-                let half_deg = held(mission, "RTL_CONE_ANG").unwrap_or(0.0);
+                let half_deg = held_or_default(mission, "RTL_CONE_ANG");
+                let cone_until_m = held_or_default(mission, "RTL_MIN_DIST");
                 let radius_m = self.accept_m;
                 if half_deg <= 0.0 {
                     full_m
                 } else if away_m <= radius_m {
                     full_m.min(2.0 * away_m)
-                } else {
-                    let cone_m = away_m / half_deg.to_radians().tan();
+                } else if away_m <= cone_until_m {
+                    let cone_m = away_m / half_deg.clamp(1.0, 89.0).to_radians().tan();
                     full_m.min(cone_m.max(2.0 * radius_m))
+                } else {
+                    full_m
                 }
             }
         };
@@ -154,15 +221,20 @@ impl Pilot<'_> {
     /// ArduPlane flies straight home, at once at `RTL_ALTITUDE` if it is below and along a slope if
     /// it is above, and circles there with `WP_LOITER_RAD` for ever.
     fn return_on_wing(&mut self, row: usize, mission: &VehicleMission) -> Result<(), Unknown> {
+        let own_m = held(mission, "RTL_RADIUS").filter(|radius_m| radius_m.abs() >= 1.0);
         let (Some(above_m), Some(radius_m)) = (
             held(mission, "RTL_ALTITUDE"),
-            held(mission, "WP_LOITER_RAD"),
+            own_m.or_else(|| held(mission, "WP_LOITER_RAD")),
         ) else {
             return Unknown::err(
                 row,
                 "a return ends in a circle over home, and RTL_ALTITUDE and WP_LOITER_RAD are not known",
             );
         };
+        let options = held(mission, "FLIGHT_OPTIONS").unwrap_or(0.0);
+        if options.rem_euclid(2.0 * CLIMB_FIRST) >= CLIMB_FIRST {
+            return Unknown::err(row, "a return that climbs before it turns (FLIGHT_OPTIONS)");
+        }
         if above_m < 0.0 {
             return Unknown::err(row, "a return at the present altitude (RTL_ALTITUDE -1)");
         }

@@ -13,12 +13,9 @@ pub(crate) fn threshold_m(mission: &VehicleMission) -> f64 {
     let Some(row) = mission.facts().parameter(SLOPE_MIN[0]) else {
         return 0.0;
     };
-    let held = mission
-        .params
-        .iter()
-        .find(|param| SLOPE_MIN.contains(&param.name.as_str()));
+    let held = mission.param(SLOPE_MIN[0]);
     // Stored as a whole number. With 0 there is no slope at all.
-    match held.map_or(row.default_si(), |param| f64::from(param.value).trunc()) {
+    match held.map_or(row.default_si(), f64::trunc) {
         metres if metres > 0.0 => metres,
         _ => f64::INFINITY,
     }

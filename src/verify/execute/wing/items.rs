@@ -11,34 +11,17 @@ use crate::verify::execute::item::{self, Circling, Height, Order, Until, place};
 /// An altitude of 0 is one: ArduPlane keeps its present altitude only where the place is 0, 0 as
 /// well (`Plane::set_next_WP`).
 pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
-    let (autopilot, is_vtol) = (mission.autopilot, mission.airframe == Airframe::Vtol);
+    let autopilot = mission.autopilot;
     if autopilot.conventions().waits_without_autocontinue && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
     }
-    let [first, second, third, _] = item.params.map(f64::from);
+    let [_, second, third, _] = item.params.map(f64::from);
     match item.command {
-        command::NAV_VTOL_TAKEOFF if is_vtol => takeoff(item, autopilot, home),
-        command::NAV_TAKEOFF if !is_vtol => takeoff(item, autopilot, home),
-        command::NAV_VTOL_LAND if is_vtol => landing(item, autopilot, home),
-        command::NAV_LAND if !is_vtol || forces_vtol(mission) => landing(item, autopilot, home),
-        command::NAV_TAKEOFF | command::NAV_VTOL_TAKEOFF => {
-            Err("a takeoff of another kind of airframe".to_owned())
-        }
-        command::NAV_LAND | command::NAV_VTOL_LAND => {
-            Err("a landing of another kind of airframe".to_owned())
-        }
-        // ArduPlane drops the hold; PX4 circles for so long and leaves on no known course.
-        command::NAV_WAYPOINT if autopilot == Autopilot::Px4 && first > 0.0 => {
-            Err("a hold, on a wing, circles".to_owned())
-        }
-        command::NAV_WAYPOINT if third.abs() > 0.0 => {
-            Err(format!("param3 leads past the waypoint by {third} m"))
-        }
-        command::NAV_WAYPOINT => Ok(Order::Fly {
-            at: Some(place(item)?),
-            height: item::height(item, autopilot, home)?,
-            hold_s: None,
-        }),
+        command::NAV_TAKEOFF
+        | command::NAV_VTOL_TAKEOFF
+        | command::NAV_LAND
+        | command::NAV_VTOL_LAND => end(item, mission, home),
+        command::NAV_WAYPOINT => waypoint(item, mission, home),
         command::NAV_LOITER_UNLIM => Ok(Order::Stay {
             at: Some(place(item)?),
             height: item::height(item, autopilot, home)?,
@@ -62,11 +45,74 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         }
         // Over at once: the rules of acceptance refuse it.
         command::NAV_DELAY if mission.facts().acceptance.never_waits => Ok(Order::Nothing),
-        command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
-            "DO_CHANGE_SPEED of kind {first} does not set the airspeed"
-        )),
+        command::DO_CHANGE_SPEED => speed(item, mission, home),
         _ => item::read(item, autopilot, home),
     }
+}
+
+/// A takeoff or a landing.
+fn end(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
+    let (autopilot, is_vtol) = (mission.autopilot, mission.airframe == Airframe::Vtol);
+    let is_spiral = (item.params[0].trunc() - 1.0).abs() < 0.5;
+    match item.command {
+        command::NAV_VTOL_TAKEOFF if is_vtol => takeoff(item, autopilot, home),
+        command::NAV_TAKEOFF if !is_vtol => takeoff(item, autopilot, home),
+        // `QuadPlane::landing_with_fixed_wing_spiral_approach`.
+        command::NAV_VTOL_LAND if is_vtol && autopilot == Autopilot::ArduPilot && is_spiral => {
+            Err("param1 1 comes down on a spiral on the wing".to_owned())
+        }
+        command::NAV_VTOL_LAND if is_vtol => landing(item, autopilot, home),
+        command::NAV_LAND if !is_vtol || forces_vtol(mission) => landing(item, autopilot, home),
+        command::NAV_TAKEOFF | command::NAV_VTOL_TAKEOFF => {
+            Err("a takeoff of another kind of airframe".to_owned())
+        }
+        _ => Err("a landing of another kind of airframe".to_owned()),
+    }
+}
+
+fn waypoint(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
+    let (hold_s, past_m) = (item.params[0], item.params[2]);
+    // ArduPlane drops the hold; PX4 circles for so long and leaves on no known course.
+    if mission.autopilot == Autopilot::Px4 && hold_s > 0.0 {
+        return Err("a hold, on a wing, circles".to_owned());
+    }
+    let circled_m = mission.param("WP_MAX_RADIUS");
+    if circled_m.is_some_and(|radius_m| radius_m > 0.0) {
+        return Err("WP_MAX_RADIUS makes it circle a waypoint that it misses by more".to_owned());
+    }
+    if past_m.abs() > 0.0 {
+        return Err(format!("param3 leads past the waypoint by {past_m} m"));
+    }
+    Ok(Order::Fly {
+        at: Some(place(item)?),
+        height: item::height(item, mission.autopilot, home)?,
+        hold_s: None,
+    })
+}
+
+fn speed(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
+    let [kind, airspeed_mps, ..] = item.params.map(f64::from);
+    if kind.trunc().abs() > 0.5 {
+        return Err(format!(
+            "DO_CHANGE_SPEED of kind {kind} does not set the airspeed"
+        ));
+    }
+    let is_ardupilot = mission.autopilot == Autopilot::ArduPilot;
+    if is_ardupilot && (airspeed_mps + 2.0).abs() < 1e-6 {
+        return Ok(Order::OwnSpeed);
+    }
+    if is_ardupilot && is_ignored(airspeed_mps, mission) {
+        return Ok(Order::Nothing);
+    }
+    item::read(item, mission.autopilot, home)
+}
+
+/// Whether ArduPlane ignores an airspeed, m/s: one outside of its limits, where the parameters have
+/// them (`Plane::do_change_speed`).
+fn is_ignored(airspeed_mps: f64, mission: &VehicleMission) -> bool {
+    let held = |name: &str| mission.param_si(name);
+    held("AIRSPEED_MIN").is_some_and(|least_mps| airspeed_mps < least_mps)
+        || held("AIRSPEED_MAX").is_some_and(|most_mps| airspeed_mps > most_mps)
 }
 
 fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
@@ -148,13 +194,52 @@ pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
 /// Whether the vehicle lands on rotors at a landing of planes: a VTOL of PX4 on its wing does, unless
 /// `NAV_FORCE_VT` is 0 (`Navigator::force_vtol`).
 fn forces_vtol(mission: &VehicleMission) -> bool {
-    let mut params = mission.params.iter();
-    let found = params.find(|param| param.name == "NAV_FORCE_VT");
-    mission.autopilot == Autopilot::Px4 && found.is_none_or(|param| param.value.abs() > 0.0)
+    let found = mission.param("NAV_FORCE_VT");
+    mission.autopilot == Autopilot::Px4 && found.is_none_or(|value| value.abs() > 0.0)
 }
 
 /// A radius from the parameters.
 pub(crate) fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
-    let found = mission.params.iter().find(|param| param.name == name)?;
-    Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)
+    let found = mission.param(name);
+    found.filter(|radius| radius.is_finite() && radius.abs() > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mission::{Home, Parameter};
+
+    #[test]
+    fn arduplane_ignores_an_airspeed_beyond_the_limits_of_its_parameters() {
+        let param = |name: &str, value: f32| Parameter {
+            name: name.to_owned(),
+            value,
+            why: String::new(),
+        };
+        let mut mission = VehicleMission {
+            autopilot: Autopilot::ArduPilot,
+            autopilot_version: None,
+            airframe: Airframe::Plane,
+            home: Home {
+                x: 363_000_000,
+                y: -842_500_000,
+                amsl_m: 400.0,
+            },
+            items: Vec::new(),
+            fence: Vec::new(),
+            is_fence_known: false,
+            rally: Vec::new(),
+            params: vec![param("AIRSPEED_MIN", 9.0), param("AIRSPEED_MAX", 22.0)],
+            notes: Vec::new(),
+        };
+        let obeys = |mission: &VehicleMission, speed_mps: f32| {
+            let item = Item::without_place(command::DO_CHANGE_SPEED, [0.0, speed_mps, -1.0, 0.0]);
+            matches!(read(&item, mission, Amsl(400.0)), Ok(Order::Speed { .. }))
+        };
+        let obeyed = [8.9, 9.0, 22.0, 22.1].map(|mps| obeys(&mission, mps));
+        assert_eq!(obeyed, [false, true, true, false]);
+        // ArduPlane until 4.4.
+        mission.params = vec![param("ARSPD_FBW_MAX", 15.0)];
+        assert_eq!([15.0, 15.1].map(|mps| obeys(&mission, mps)), [true, false]);
+    }
 }

@@ -63,10 +63,7 @@ impl Guidance {
         let facts = mission.facts();
         let version = mission.autopilot_version;
         let turning_share = facts.behaviour.turning_share.of(version)?.value;
-        let held = |name: &str| {
-            let found = mission.params.iter().find(|param| param.name == name)?;
-            Some(f64::from(found.value)).filter(|value| value.is_finite() && *value > 0.0)
-        };
+        let held = |name: &str| mission.param_si(name).filter(|value| *value > 0.0);
         let value = |name: &str| Some(held(name).unwrap_or(facts.parameter(name)?.default_si()));
         let planned_rad = (1.0 / vehicle.max_load_factor).acos();
         Some(Self {

@@ -36,9 +36,7 @@ impl Contract<'_> {
         if self.spec.buffers.is_none() || is_wing || self.mission.fence.is_empty() {
             return None;
         }
-        let mut params = self.mission.params.iter();
-        let in_file = params.find(|param| param.name == "FENCE_MARGIN");
-        let in_file_m = in_file.map(|param| f64::from(param.value));
+        let in_file_m = self.mission.param("FENCE_MARGIN");
         let margin_m = in_file_m.unwrap_or_else(|| self.spec.fence_margin_m());
         let mut worst = Worst::default();
         for (index, item) in self.mission.items.iter().enumerate() {
