@@ -41,22 +41,20 @@ pub(super) fn with_times<'a>(
     let is_good = |found: &Dispatched| {
         found.review.passes() && found.plan.gap().is_some_and(|gap| gap < WORTH)
     };
-    let through = at_once
-        .as_ref()
-        .map(open)
-        .filter(|found| found.review.passes());
+    let inactive = at_once.as_ref().map(|variant| (&variant.0, open(variant)));
+    let through = inactive.as_ref().map(|(_, found)| found);
+    let through = through.filter(|found| found.review.passes()).cloned();
     if let Some(found) = through.as_ref().filter(|found| is_good(found)) {
         return found.clone();
     }
-    let in_time = in_flight::in_time(job, &dispatch_closed);
+    let known = inactive.as_ref().map(|(spec, found)| (*spec, found));
+    let in_time = in_flight::in_time(job, known, &dispatch_closed);
     let is_as_specified = |found: &Dispatched| {
         let mut fleet = job.spec.vehicles.iter().zip(&found.plan.vehicles);
         fleet.all(|(vehicle, plan)| plan.depart_s <= vehicle.depart_s)
     };
-    if let Some((found, is_unhindered)) = &in_time
-        && is_as_specified(found)
-        && (*is_unhindered || is_good(found))
-    {
+    let good = |found: &&Dispatched| is_as_specified(found) && is_good(found);
+    if let Some(found) = in_time.as_ref().filter(good) {
         return found.clone();
     }
     let closed = dispatch_closed(job);
@@ -64,7 +62,7 @@ pub(super) fn with_times<'a>(
         Some(found) if found.is_better_than(closed.rank()) => found,
         _ => closed,
     };
-    if let Some((found, _)) = in_time {
+    if let Some(found) = in_time {
         let share = 1.0 - WORTH * f64::from(u8::from(!is_as_specified(&found)));
         if !best.review.passes() || found.plan.cost() < best.plan.cost() * share {
             best = found;

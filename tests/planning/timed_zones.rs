@@ -3,6 +3,7 @@
 #![allow(clippy::float_cmp)]
 
 use crate::support;
+use std::path::Path;
 
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::spec::*;
@@ -187,4 +188,27 @@ fn each_vehicle_of_a_fleet_has_the_zones_of_its_own_time() {
     let [alpha, bravo] = [0, 1].map(|index| done.plan.vehicles[index].terms.total());
     assert!(alpha < 1.001 * free, "{alpha} {free}");
     assert!(bravo > 1.01 * free, "{bravo} {free}");
+}
+
+#[test]
+fn what_is_flown_through_an_inactive_zone_is_no_dearer_than_the_way_around_it() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/airspace.yaml");
+    let text = std::fs::read_to_string(&path).expect("a spec");
+    let file = SpecFile::parse(&path, text).unwrap_or_else(|error| panic!("{error}"));
+    let around = {
+        let mut spec = file.spec.clone();
+        for zone in &mut spec.no_fly {
+            zone.active_s = None;
+        }
+        spec
+    };
+    let [through, around] = [&file.spec, &around].map(|spec| {
+        let mut file = file.clone();
+        file.spec = spec.clone();
+        let world = sortie::world::load(&file).unwrap_or_else(|error| panic!("{error}"));
+        let done = dispatch(spec, &world, 1, &|_| ());
+        assert!(done.review.passes());
+        done.plan.cost()
+    });
+    assert!(through <= around, "{through} {around}");
 }

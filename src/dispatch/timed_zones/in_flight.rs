@@ -32,15 +32,16 @@ struct Choice {
     departures: Vec<usize>,
 }
 
-/// A plan that passes and in which vehicles fly through zones outside of their times, and whether none
-/// had to keep out of a zone that may be inactive or to depart at another time: then nothing gains
-/// more. None if there is none, or if no zone can be inactive as a vehicle is there.
+/// A plan that passes and in which vehicles fly through zones outside of their times. None if there is
+/// none, or if no zone can be inactive as a vehicle is there. `known` is what is planned from one spec
+/// for all vehicles.
 pub(super) fn in_time(
     job: Job<'_>,
+    known: Option<(&MissionSpec, &Dispatched)>,
     dispatch_closed: &impl Fn(Job<'_>) -> Dispatched,
-) -> Option<(Dispatched, bool)> {
+) -> Option<Dispatched> {
     let mut choice = Choice::first(job);
-    for round in 0..MOST {
+    for _ in 0..MOST {
         if choice.open.iter().all(BTreeSet::is_empty) || job.run.is_cancelled() {
             return None;
         }
@@ -50,9 +51,11 @@ pub(super) fn in_time(
             world: &world,
             ..job
         };
-        let found = dispatch_closed(planned);
+        let is_common = world.own.iter().all(Option::is_none);
+        let same = known.filter(|(known, _)| is_common && **known == spec);
+        let found = same.map_or_else(|| dispatch_closed(planned), |(_, found)| found.clone());
         if found.review.passes() {
-            return Some((found, round == 0));
+            return Some(found);
         }
         let entered = entered_in_time(planned, &found);
         if entered.is_empty() {

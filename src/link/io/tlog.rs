@@ -16,6 +16,8 @@ pub struct Tlog {
 #[derive(Debug)]
 struct Writing {
     out: BufWriter<File>,
+    /// When the last frame was, microseconds since 1970.
+    last_us: u64,
     /// The first thing that went wrong; a transfer does not stop for it.
     error: Option<io::Error>,
 }
@@ -28,7 +30,11 @@ impl Tlog {
     pub fn create(path: &Path) -> io::Result<Self> {
         let out = BufWriter::new(File::create(path)?);
         Ok(Self {
-            writing: Mutex::new(Writing { out, error: None }),
+            writing: Mutex::new(Writing {
+                out,
+                last_us: 0,
+                error: None,
+            }),
         })
     }
 
@@ -47,17 +53,19 @@ impl Tlog {
         }
     }
 
-    /// One frame, sent or received, now.
+    /// One frame, sent or received, now; never before the last one, whatever links and clocks do.
     #[allow(
         clippy::disallowed_methods,
         reason = "a capture carries the time of each frame"
     )]
     pub(crate) fn record(&self, frame: &[u8]) {
+        let mut writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         let since = SystemTime::now().duration_since(UNIX_EPOCH);
         let us = since.map_or(0, |since| {
             u64::try_from(since.as_micros()).unwrap_or(u64::MAX)
         });
-        let mut writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        let us = us.max(writing.last_us);
+        writing.last_us = us;
         if writing.error.is_some() {
             return;
         }
