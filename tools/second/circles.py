@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .earth import geodetic
-from .flight import HOLD, RETURN, TO_ALT
+from .flight import HOLD, RETURN, SAME_M, TO_ALT
 from .shapes import Height, Line, Point
 
 CHORD_M = 0.02
@@ -62,7 +62,7 @@ class Circles:
         away = math.hypot(*off)
         inside = away <= rim
         if inside:
-            edge = middle + rim * direction(math.atan2(*(start - middle)))
+            edge = middle + rim * direction(math.atan2(*(start - middle)) if away > SAME_M else 0.0)
         else:
             toward = math.atan2(*off) - math.copysign(math.asin(rim / away), radius)
             edge = start + math.sqrt(away * away - rim * rim) * direction(toward)
