@@ -151,7 +151,7 @@ class WingFlight(Circles, Flight):
         top = ahead(off, clockwise, (amsl - ground) / slope)
         roll = Line(self.home.at, place, Height(False, self.home.amsl, ground))
         self.grounded.append(roll)
-        self.add(roll, (0, 1), (0, v), 2 * run / v, (v, abs(ground - self.home.amsl) / run * v))
+        self.add(roll, (0, 1), (v / 2, v / 2), 2 * run / v, (v, abs(ground - self.home.amsl) / run * v))
         self.knots, self.moving = [WingKnot(place, ground)], speed
         last = WingKnot(self.plane.place(top), amsl, None, speed, takeoff=True)
         self.knots += self.in_two(self.knots[0], last, ground)

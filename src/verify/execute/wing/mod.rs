@@ -8,7 +8,8 @@
 //! `speed_mps` at the ceiling of the area (`max_amsl_m`), in wind with the wind's speed.
 //!
 //! **Climb-out.** A plane runs from home for `v^2 / 2a`, `v` its speed over the ground on its course at the
-//! altitude of the item, `a` its `accel_mps2`, and leaves the ground. From there it climbs straight on to that
+//! altitude of the item, `a` its `accel_mps2` (in time at `v / 2`), and leaves the ground. From there it climbs
+//! straight on to that
 //! altitude, by `max_climb_deg` or `climb_mps` over the speed of `R`, whichever is less: a leg that begins with its
 //! speed and ends at a corner. The course leads to the place of the item (PX4), or is `takeoff_heading_deg`
 //! (ArduPlane). As long as its height above the ground of the lift-off is less than twice `min_agl_m` with its
