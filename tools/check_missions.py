@@ -1,13 +1,19 @@
 """Judges missions a second time and holds `sortie review` against it.
 
-    python tools/check_missions.py [--fleets 50] [--seed 1] [--sortie target/debug/sortie] [--keep DIR]
+    python tools/check_missions.py [--fleets 50] [--wings 0] [--pairs 0] [--seed 1] [--sortie target/debug/sortie] [--keep DIR]
     python tools/check_missions.py --spec SPEC FILES...
 
 Random fleets over the Jacksboro fault, bad ones on purpose and some planned in a hurry, go
-through `sortie review`; then the clearance over ground, the distances to threats and the
-separations are measured again from the files alone. The flight model is that of the text in
-src/verify/mod.rs, and nothing else is shared: legs are chords through the earth between
-geodetic places and never see a local frame, and minima are found by sampling (tools/second).
+through `sortie review`; then the clearance over ground, the ceiling, the distances to threats and the
+separations are measured again from the files alone. The flight model is that of the texts in
+src/verify/mod.rs and src/verify/execute/wing/mod.rs, and nothing else is shared: legs are chords through the
+earth between geodetic places, and minima are found by sampling (tools/second).
+
+Compared are, in still air and in wind: of copters of both autopilots everything above; of planes and VTOLs of both
+everything but the separation, with the climb-outs and glides of planes against their own limit (`slope`), swings by the L1
+law, circles and regions; of pairs of PX4's wings the separation too. Not compared: the separation of wings of ArduPilot (how
+late and how far beside their legs they are) and of wings that leave a circle again, wings above followed ground,
+copters on splines and circles, vehicles that depart in the air.
 
 About half of the fleets have buffers, and each limit must be that of the spec with its buffer.
 A margin agrees when sampling finds nothing worse than was reported, and nothing better by
@@ -19,10 +25,10 @@ more than its own error and what the text allows the verdict to be short by (its
 lies below it: every cell between samples was halved until the greatest slope or speed in
 it proved that it holds nothing lower than found - 1 cm (of a separation, 0.1 per mille more).
 Both sides also get what the two models of the earth differ in: a straight line of the
-verdict's plane and a chord through the earth are centimetres apart, and so are their lengths.
-With --wings so many VTOLs of PX4 in still air are compared besides: clearance and threats, with corners, lag and
-early altitudes, takeoff and landing on rotors. Not compared: planes, ArduPlane (swings, regions),
-circles and glides, wind, ceilings, and the separation of wings.
+verdict's plane and a chord through the earth are centimetres apart, and so are their lengths;
+the chord by which the verdict's circles are inside of true ones; and, where a wing of ArduPilot swings, what it
+flies in 0.1 s: both sides integrate the L1 law in steps of 0.05 s, this one by the midpoint, and may begin and
+end a turn a step apart; a step more for each leg in a row that is too short to end the turn before.
 Spec files are read as JSON, which is YAML.
 """
 
@@ -32,27 +38,32 @@ import math
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from second.earth import A, Ground
-from second.fleets import make_fleet, make_wing
+from second.fleets import make_fleet
 from second.flight import Flight, read_items, read_radius
-from second.minima import clearance, separation, to_threat
-from second.wing import WingFlight
+from second.minima import ceiling, clearance, separation, slope_clearance, to_threat
+from second.wing import WingFlight, read_params
+from second.wing_fleets import KINDS, make_pair, make_wing
 
 ROOT = Path(__file__).resolve().parent.parent
 CHORD_M = 0.02  # the verdict's chords of arcs and ramps
 FOLLOW_M = 0.12  # its chords over ground that is followed, and a chord of those
 ROUNDING_M = 0.002  # of printed margins and float32 altitudes
+STEEP_M = 2000  # more than any line climbs
 PLANNED = 10  # every tenth fleet is also planned
+MEASURES = ("clearance", "slope", "ceiling", "threat", "separation")
 
 
 @dataclass
 class Finding:
-    kind: str
+    measure: str
+    vehicles: tuple  # kinds of the vehicles, such as plane-px4
     violated: bool
     what: str
     reported: float
@@ -87,61 +98,79 @@ def sortie_runs(sortie, *arguments):
     return run.stdout
 
 
-def compare(spec_path, files, margins):
-    """Every margin of clearance, threats and separation that was reported, measured again."""
-    spec = json.loads(spec_path.read_text())
-    ground = Ground(spec_path.parent / spec["terrain"]["file"])
-    by_name = {path.name.split(".")[0]: path for path in files}
-    flights = {
-        v["id"]: WingFlight(v, read_items(by_name[v["id"]]), ground, spec["mission"]["tolerance_m"])
-        if v["airframe"] == "vtol" else Flight(
-            v, read_items(by_name[v["id"]]), ground, spec["mission"]["tolerance_m"],
-            read_radius(by_name[v["id"]], v["autopilot"] == "ardupilot"),
-        )
-        for v in spec["vehicles"]
-    }
-    corners = spec["area"]["south_west"], spec["area"]["north_east"]
-    middle = {key: sum(corner[key] for corner in corners) / 2 for key in ("lat", "lon")}
-    touches = spec.get("origin", middle)
-    origin = touches["lat"], touches["lon"]
-    slack, vertical = spec["separation"]["time_slack_s"], spec["separation"].get("vertical_m")
-    fleet = list(flights.values())
-    late = max(flight.late for flight in fleet) + max(one.takeoff_late(other) for one in fleet for other in fleet)
-    horizon = max(flight.horizon() for flight in fleet) + slack + late + 1
-    for flight in flights.values():
-        flight.stay_until(horizon)
-    threats = {f"threat {threat['id']}": threat for threat in spec.get("threats", [])}
-    buffers = spec.get("buffer_m", {})
-    buffer = lambda kind: buffers.get(kind, buffers.get("all", 0))
-    for margin in margins:
-        flight, what = flights[margin["vehicle"]], margin["what"]
+class Comparison:
+    """The flights of a spec and its files, measured again."""
+
+    def __init__(self, spec_path, files):
+        self.spec = spec = json.loads(spec_path.read_text())
+        self.ground = Ground(spec_path.parent / spec["terrain"]["file"])
+        by_name = {path.name.split(".")[0]: path for path in files}
+        corners = spec["area"]["south_west"], spec["area"]["north_east"]
+        middle = {key: sum(corner[key] for corner in corners) / 2 for key in ("lat", "lon")}
+        touches = spec.get("origin", middle)
+        self.origin = touches["lat"], touches["lon"]
+        self.flights = {vehicle["id"]: self.flight(vehicle, by_name[vehicle["id"]]) for vehicle in spec["vehicles"]}
+        self.slack, self.vertical = spec["separation"]["time_slack_s"], spec["separation"].get("vertical_m")
+        fleet = list(self.flights.values())
+        late = max(flight.late for flight in fleet) + max(one.takeoff_late(other) for one in fleet for other in fleet)
+        horizon = max(flight.horizon() for flight in fleet) + self.slack + late + 1
+        for flight in fleet:
+            flight.stay_until(horizon)
+        self.threats = {f"threat {threat['id']}": threat for threat in spec.get("threats", [])}
+
+    def flight(self, vehicle, path):
+        if vehicle["airframe"] != "copter":
+            return WingFlight(vehicle, read_items(path), self.ground, self.spec, read_params(path), self.origin)
+        radius = read_radius(path, vehicle["autopilot"] == "ardupilot")
+        return Flight(vehicle, read_items(path), self.ground, self.spec["mission"]["tolerance_m"], radius)
+
+    def buffer(self, kind):
+        buffers = self.spec.get("buffer_m", {})
+        return buffers.get(kind, buffers.get("all", 0))
+
+    def finding(self, margin):
+        """A margin of what is compared, measured again; None of any other."""
+        flight, what = self.flights[margin["vehicle"]], margin["what"]
         value = math.nan if margin["value"] is None else margin["value"]
-        name = f"{margin['vehicle']} {what}"
+        named = (flight.kind,), not margin["ok"], f"{margin['vehicle']} {what}"
+        if what == "items judged" and isinstance(flight, WingFlight) and not margin["ok"]:
+            raise RuntimeError(margin["note"])
+        steepest, follow = self.ground.steepest, FOLLOW_M if flight.follows else 0
+        # Altitudes along steep lines differ with the lengths, which the verdict's plane makes short.
+        beside = flight.beside(self.origin) + STEEP_M * (flight.furthest(self.origin) / A) ** 2 / 2
         if what == "terrain clearance":
-            slope = ground.steepest
-            found, error = clearance(flight)
-            model = max(CHORD_M * slope, FOLLOW_M if flight.follows else 0)
-            yield Finding("clearance", not margin["ok"], name, value, found, error, model, flight.beside(origin) * slope,
-                          margin["limit"], spec["area"]["min_agl_m"] + buffer("terrain"))
-        elif what in threats:
-            found, error = to_threat(flight, threats[what])
+            return Finding("clearance", *named, value, *clearance(flight), max(CHORD_M * steepest, follow),
+                           (beside + flight.loose) * steepest, margin["limit"],
+                           self.spec["area"]["min_agl_m"] + self.buffer("terrain"))
+        if what == "takeoff and landing clearance":
+            return Finding("slope", *named, value - margin["limit"], *slope_clearance(flight), CHORD_M * steepest,
+                           (beside + flight.loose) * steepest)
+        if what == "ceiling":
+            slope = flight.steep + (steepest if flight.follows else 0)
+            return Finding("ceiling", *named, -value, *ceiling(flight), follow,
+                           beside * max(slope, 1.0) + flight.loose * slope, -margin["limit"],
+                           self.buffer("ceiling") - self.spec["area"]["max_amsl_m"])
+        if what in self.threats:
+            found, error = to_threat(flight, self.threats[what])
             # A plane that touches the earth at the axis makes a distance r short by r (r / R)^2 / 6, a chord by 1/24.
-            away = found + threats[what]["radius_m"]
-            short = away * (away / A) ** 2 / 7
-            yield Finding("threat", not margin["ok"], name, value, found, error, CHORD_M + short, flight.beside(origin),
-                          margin["limit"], buffer("threats"))
-        elif what == "separation":
-            other = flights[margin["other"]]
-            follow = (flight.follows + other.follows) * FOLLOW_M
-            level = None if vertical is None else vertical + margin.get("buffer", 0)
-            measure, found, error, chords = separation(flight, other, slack, level, 2 * CHORD_M + follow)
-            reported = "gap" if margin["unit"] == "s" else "m" if margin["limit"] != level else "vertical"
-            if measure != reported:
-                found = math.nan
-            plane = sum(f.along(origin) + f.beside(origin) for f in (flight, other))
-            short = found * (flight.furthest(origin) + other.furthest(origin) + found) ** 2 / (2 * A * A)
-            yield Finding("separation", not margin["ok"], f"{name} {margin['other']}", value, found, error, chords + short, plane,
-                          margin["limit"], spec["separation"]["distance_m"] + buffer("separation") if reported == "m" else math.nan)
+            away = found + self.threats[what]["radius_m"]
+            return Finding("threat", *named, value, found, error, CHORD_M + away * (away / A) ** 2 / 7,
+                           beside + flight.chords + flight.loose, margin["limit"], self.buffer("threats"))
+        return self.apart(margin, value) if what == "separation" else None
+
+    def apart(self, margin, value):
+        a, b = (self.flights[margin[which]] for which in ("vehicle", "other"))
+        follow = (a.follows + b.follows) * FOLLOW_M
+        level = None if self.vertical is None else self.vertical + margin.get("buffer", 0)
+        measure, found, error, chords = separation(a, b, self.slack, level, 2 * CHORD_M + follow)
+        reported = "gap" if margin["unit"] == "s" else "m" if margin["limit"] != level else "vertical"
+        if measure != reported:
+            found = math.nan
+        plane = sum(f.along(self.origin) + f.beside(self.origin) for f in (a, b))
+        short = found * (a.furthest(self.origin) + b.furthest(self.origin) + found) ** 2 / (2 * A * A)
+        limit = self.spec["separation"]["distance_m"] + self.buffer("separation")
+        return Finding("separation", (a.kind, b.kind), not margin["ok"], f"{margin['vehicle']} separation {margin['other']}", value,
+                       found, error, chords + short, plane, margin["limit"], limit if reported == "m" else math.nan)
 
 
 def plan(spec, sortie):
@@ -152,22 +181,52 @@ def plan(spec, sortie):
 
 
 def table(findings):
-    """One line for each kind: how many, how many of them violated, and the largest differences."""
+    """One line for each measure: how many, how many of them violated, and the largest differences; and one for each kind."""
     print("             compared  violated  above a sample  below a sample  sampling error  disagree")
-    for kind in ("clearance", "threat", "separation"):
-        of = [finding for finding in findings if finding.kind == kind]
+    for measure in MEASURES:
+        of = [finding for finding in findings if finding.measure == measure]
         above = max((f.reported - f.found for f in of), default=0)
         below = max((f.found - f.reported for f in of), default=0)
         error = max((f.error for f in of), default=0)
         violated, wrong = sum(f.violated for f in of), sum(not f.agrees for f in of)
-        print(f"{kind:12} {len(of):8}  {violated:8}  {above:12.4f} m  {below:12.4f} m  {error:12.4f} m  {wrong:8}")
+        print(f"{measure:12} {len(of):8}  {violated:8}  {above:12.4f} m  {below:12.4f} m  {error:12.4f} m  {wrong:8}")
+    for kind in sorted({kind for finding in findings for kind in finding.vehicles}):
+        counts = Counter(finding.measure for finding in findings if kind in finding.vehicles)
+        print(f"compared {kind}: " + ", ".join(f"{measure} {counts[measure]}" for measure in MEASURES if counts[measure]))
+
+
+def fleets(options, ground, scratch):
+    """Name, spec and files of every random fleet."""
+    terrain = ROOT / "missions/terrain/jacksboro.tif"
+
+    def folder(name):
+        path = (options.keep or Path(scratch)) / name
+        path.mkdir(parents=True, exist_ok=True)
+        (path / terrain.name).write_bytes(terrain.read_bytes())
+        return path
+
+    for number in range(options.seed, options.seed + options.fleets):
+        spec, files = make_fleet(np.random.default_rng(number), ground, folder(str(number)))
+        yield f"fleet {number}", spec, files
+        if number % PLANNED == 0:
+            yield f"fleet {number} planned", *plan(spec, options.sortie)
+    for number in range(options.seed, options.seed + options.wings):
+        for index, kind in enumerate(KINDS):
+            name = f"{kind[0]}-{kind[1]}-{number}"
+            if options.only in (None, f"{kind[0]}-{kind[1]}"):
+                yield name, *make_wing(np.random.default_rng([number, index]), ground, folder(name), *kind)
+    for number in range(options.seed, options.seed + options.pairs):
+        name = f"pair-{number}"
+        yield name, *make_pair(np.random.default_rng([number, len(KINDS)]), ground, folder(name))
 
 
 def main():
     parser = argparse.ArgumentParser(description="Holds `sortie review` against a second implementation.")
-    parser.add_argument("--fleets", type=int, default=50, help="how many, at random over the Jacksboro fault")
+    parser.add_argument("--fleets", type=int, default=50, help="how many fleets of copters, at random over the Jacksboro fault")
     parser.add_argument("--seed", type=int, default=1, help="of the first of them; each has its own")
-    parser.add_argument("--wings", type=int, default=0, help="so many VTOLs of PX4 besides")
+    parser.add_argument("--wings", type=int, default=0, help="how many wings of each kind besides")
+    parser.add_argument("--only", help="only wings of this kind, such as plane-px4")
+    parser.add_argument("--pairs", type=int, default=0, help="how many pairs of wings of PX4 besides")
     parser.add_argument("--sortie", type=Path, default=ROOT / "target/debug/sortie")
     parser.add_argument("--keep", type=Path, help="leave the fleets in this folder")
     parser.add_argument("--verbose", action="store_true", help="print every margin")
@@ -178,7 +237,8 @@ def main():
 
     def judge(name, spec, files):
         margins = json.loads(sortie_runs(options.sortie, "review", spec, *files, "--json"))["margins"]
-        for finding in compare(spec, files, margins):
+        comparison = Comparison(spec, files)
+        for finding in filter(None, map(comparison.finding, margins)):
             findings.append(finding)
             if options.verbose or not finding.agrees:
                 print(f"{name}: {finding}: worse by {finding.worse:.4f}, better by {finding.better:.4f}")
@@ -186,24 +246,10 @@ def main():
     if options.spec:
         judge(options.spec, options.spec, options.files)
     else:
-        terrain = ROOT / "missions/terrain/jacksboro.tif"
-        ground = Ground(terrain)
+        ground = Ground(ROOT / "missions/terrain/jacksboro.tif")
         with tempfile.TemporaryDirectory() as scratch:
-            for number in range(options.seed, options.seed + options.fleets):
-                folder = (options.keep or Path(scratch)) / str(number)
-                folder.mkdir(parents=True, exist_ok=True)
-                (folder / terrain.name).write_bytes(terrain.read_bytes())
-                spec, files = make_fleet(np.random.default_rng(number), ground, folder)
-                judge(f"fleet {number}", spec, files)
-                if number % PLANNED == 0:
-                    judge(f"fleet {number} planned", *plan(spec, options.sortie))
-            copters = len(findings)
-            for number in range(options.seed, options.seed + options.wings):
-                folder = (options.keep or Path(scratch)) / f"wing-{number}"
-                folder.mkdir(parents=True, exist_ok=True)
-                (folder / terrain.name).write_bytes(terrain.read_bytes())
-                judge(f"wing {number}", *make_wing(np.random.default_rng([number, 2]), ground, folder))
-        print(f"compared of copters: {copters}, of VTOLs of PX4: {len(findings) - copters}; planes and ArduPlane are not")
+            for name, spec, files in fleets(options, ground, scratch):
+                judge(name, spec, files)
     table(findings)
     sys.exit(not findings or not all(finding.agrees for finding in findings))
 

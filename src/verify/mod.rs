@@ -10,9 +10,10 @@
 //!
 //! # The flight model
 //!
-//! Complete, so that it can be written a second time from this text and the spec alone:
-//! `tools/check_missions.py` is that second one, and the two are held against each other: copters in space
-//! and time, of wings VTOLs of PX4 in still air, in space alone.
+//! Complete, so that it can be written a second time from this text (of wings with that of
+//! `src/verify/execute/wing/mod.rs`) and the spec alone: `tools/check_missions.py` is that second one, and the two are
+//! held against each other: copters, planes and VTOLs of both autopilots in space, wings in still air and in wind;
+//! the separations of copters, and those of wings of PX4 that circle at their ends alone.
 //!
 //! **Items.** Latitude and longitude are 1e-7 degrees, altitudes float32. ArduPilot keeps
 //! whole centimetres (cut off toward zero) and whole seconds of a waypoint's hold. Frames
@@ -144,16 +145,16 @@
 //!
 //! **Lag.** ArduPlane is 3.3 s of its climb below a slope upwards and as much above one downwards,
 //! and still on the leg after, of a descent on the legs of the next 6.6 s: legs are judged there as well, in space, by the
-//! greatest of their own climb and those of the legs behind. Not where the ground is followed, nor on climb-out and glide.
+//! greatest of their own climb and those of the legs behind; by no more than their own and those of that time leave together,
+//! each its 3.3 s or all of its climb if that is less. Not where the ground is followed, nor where a climb-out or glide is
+//! judged by half of its height.
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
 //! before it, by its sources.
 //!
-//! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/execute/wing/l1.rs`: the way that it gives
-//! is judged in space besides the legs, and for the separation the vehicle is anywhere within what
-//! that way is beside the legs 2 s before and after, and late by what it takes longer. A climb-out
-//! of ArduPlane is judged 14 m higher from 0.4 of it on, and straight on from there to the next place; and in wind, as
-//! it holds its heading, up to as far downwind as the wind goes in 0.32 of the planned climb. On the circle of its end it
-//! is up to 0.75 turn radii further out than the radius.
+//! **Swings.** ArduPlane follows its legs by the L1 law: the way that it gives is judged in space besides the legs, and
+//! for the separation the vehicle is anywhere within what that way is beside the legs 2 s before and after, and late by
+//! what it takes longer. Its climb-out is judged steeper and higher too, and in wind further downwind; on the circle
+//! of its end it is up to 0.75 turn radii further out than the radius.
 //!
 //! **Rotors of a QuadPlane.** As long as it climbs it leans little, and the wind drives it to any side with 0.8 of its
 //! speed: the climb is judged there as well. From the top it flies on where its nose points, which nobody knows: it is
@@ -181,8 +182,9 @@
 //! `NAV_LOITER_RAD`. A vehicle that loiters, or whose mission
 //! ends in the air, stays for ever.
 //!
-//! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,
-//! may be up to 12 s late and a plane up to 10 s early; two of one autopilot and airframe are so alike. A wing of
+//! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter or vtol of ArduPilot may be up to
+//! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 10 s early; two of one
+//! autopilot and airframe are so alike. A wing of
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
 //! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of

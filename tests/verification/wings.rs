@@ -368,3 +368,59 @@ fn a_plane_that_climbs_to_its_circle_is_judged_inside_of_it_where_one_was_flown(
     let found = margin(&spec, &mission, &Limit::Zone("wall".to_owned())).expect("judged");
     assert!(found.value < 5.0, "{found:?}");
 }
+
+/// A QuadPlane that climbs by 70 m on its first leg, 400 m north, and goes on eastward by places (metres east and up).
+fn climbs_and_turns(eastward: &[(f64, f64)]) -> (MissionSpec, VehicleMission) {
+    let (spec, mut mission) = quadplane(Autopilot::ArduPilot);
+    let ways = eastward
+        .iter()
+        .map(|&(east_m, up_m)| waypoint(spot(east_m, 400.0), UP_M + up_m));
+    let mut circle = mission.items[3];
+    let end = waypoint(
+        spot(3000.0, 400.0),
+        UP_M + eastward.last().expect("places").1,
+    );
+    (circle.x, circle.y, circle.z) = (end.x, end.y, end.z);
+    let begin = mission.items[..2].to_vec();
+    mission.items = begin.into_iter().chain(ways).chain([circle]).collect();
+    (spec, mission)
+}
+
+/// The margin to a low wall where its nose brings it widest around the end of that leg.
+fn at_wide_turn(eastward: &[(f64, f64)], below_m: f64) -> f64 {
+    let (mut spec, mission) = climbs_and_turns(eastward);
+    spec.no_fly.push(low_wall(spot(110.0, 450.0), below_m));
+    let found = margin(&spec, &mission, &Limit::Zone("wall".to_owned()));
+    found.map_or(f64::INFINITY, |found| found.value)
+}
+
+#[test]
+fn a_quadplane_that_comes_wide_around_a_corner_is_there_as_low_as_its_climb_before_leaves_it() {
+    // 70 m in 24 s: 9 m below the second leg, wherever beside it.
+    let level = [(0.0, 70.0), (1500.0, 70.0)];
+    let found_m = at_wide_turn(&level, UP_M + 75.0);
+    assert!(found_m < 5.0, "the way is not there: {found_m}");
+    let found_m = at_wide_turn(&level, UP_M + 65.0);
+    assert!(found_m < 5.0, "{found_m}");
+}
+
+#[test]
+fn a_quadplane_that_comes_wide_around_corners_lags_the_climb_of_the_third_leg_after_them() {
+    // 30 m in 17 s from 80 m on: 5.6 m below.
+    let climbs = [(0.0, 70.0), (40.0, 70.0), (80.0, 70.0), (400.0, 100.0)];
+    let found_m = at_wide_turn(&climbs, UP_M + 80.0);
+    assert!(found_m < 5.0, "the way is not there: {found_m}");
+    let found_m = at_wide_turn(&climbs, UP_M + 69.0);
+    assert!(found_m < 5.0, "{found_m}");
+}
+
+#[test]
+fn a_wing_on_a_leg_of_a_moment_is_no_further_off_its_line_than_it_climbs_there() {
+    // To the rim of the circle 3 m in 0.2 s, and 20 m up: 3.3 s of that climb would be 370 m below.
+    let (spec, mut mission) = climbing_plane();
+    let before = waypoint(spot(2899.95, 0.0), UP_M);
+    mission.items.insert(3, before);
+    mission.items[4].z += 20.0;
+    let found = margin(&spec, &mission, &Limit::TerrainClearance).expect("judged");
+    assert!(found.value > 55.0 && found.value < 80.0, "{found:?}");
+}

@@ -68,52 +68,6 @@ def make_fleet(rng, ground, folder):
     return path, files
 
 
-def make_wing(rng, ground, folder):
-    """A VTOL of PX4 in still air: corners of any angle, climbs, some of it too low or near a threat."""
-    home = round(rng.uniform(36.25, 36.35), 6), round(rng.uniform(-84.30, -84.19), 6)
-    vehicle = {
-        "id": "v0", "sysid": 1, "airframe": "vtol", "link": "sim", "autopilot": "px4", "finish": "land",
-        "speed_mps": round(rng.uniform(12, 22), 2), "max_load_factor": round(rng.uniform(1.15, 1.6), 3),
-        "accel_mps2": round(rng.uniform(1, 4), 2), "climb_mps": 3.0, "descent_mps": 2.5, "loiter_radius_m": 150.0,
-        "max_climb_deg": 10.0, "max_descent_deg": 8.0,
-    }
-    base = float(ground.height(*home))
-    z = base + round(rng.uniform(60, 200), 1)
-    rows = [(0, WAYPOINT, 0, 0, *home, round(base, 2)), (0, 84, 0, 0, *home, round(z, 2))]
-    at, course = home, rng.uniform(-3.1, 3.1)
-    for _ in range(rng.integers(2, 9)):
-        # Short legs too: a lag of a descent is still there on the legs after.
-        far = rng.choice([rng.uniform(25, 80), rng.uniform(150, 2500)])
-        north, east = far * math.cos(course), far * math.sin(course)
-        at = at[0] + math.degrees(north / A), at[1] + math.degrees(east / A) / math.cos(math.radians(36.3))
-        at = round(min(max(at[0], SOUTH), NORTH), 7), round(min(max(at[1], WEST), EAST), 7)
-        z = z if rng.random() < 0.4 else z + rng.uniform(-0.12, 0.15) * far
-        rows.append((0, WAYPOINT, 0, 0, *at, round(max(z, base + 20), 2)))
-        course += rng.choice([rng.uniform(-0.5, 0.5), rng.uniform(-2.6, 2.6)])
-    rows.append((0, 85, 0, 0, round(at[0] + 0.003, 7), at[1], round(base, 2)))
-    vehicle["home"] = {"lat": home[0], "lon": home[1]}
-    vehicle["start"], vehicle["goal"] = vehicle["home"] | {"agl_m": 80}, {"lat": rows[-1][4], "lon": rows[-1][5], "agl_m": 80}
-    files = [folder / "v0.waypoints"]
-    write_items(files[0], rows)
-    threats = []
-    for i in range(int(rng.integers(1, 6))):
-        lat, lon, radius = rng.uniform(SOUTH, NORTH), rng.uniform(WEST, EAST), rng.uniform(100, 2000)
-        ends = [vehicle[key] for key in ("home", "goal")]
-        if all(distance((lat, lon), (end["lat"], end["lon"])) > radius + 60 for end in ends):
-            threats.append({"id": f"threat-{i}", "lat": round(lat, 6), "lon": round(lon, 6), "radius_m": round(radius, 1)})
-    spec = {
-        "sortie": 2, "name": "wing", "terrain": {"file": "jacksboro.tif"},
-        "area": {"south_west": {"lat": 36.18, "lon": -84.40}, "north_east": {"lat": 36.43, "lon": -84.10},
-                 "min_agl_m": 30, "max_amsl_m": 2000},
-        "threats": threats, "vehicles": [vehicle], "separation": {"distance_m": 100, "time_slack_s": 0.0},
-        "planner": {"algorithm": "msfoa", "seed": 1, "evaluations": 300}, "mission": {"altitude": "amsl", "tolerance_m": 5},
-        "buffer_m": {kind: round(rng.uniform(0, 19), 1) for kind in ("all", "threats", "terrain")},
-    }
-    path = folder / "spec.yaml"
-    path.write_text(json.dumps(spec, indent=1))
-    return path, files
-
-
 def altitude_reference(rng, vehicles):
     everywhere = ["amsl", "relative"]
     can_follow = all(vehicle["autopilot"] == "ardupilot" for vehicle in vehicles)
@@ -178,7 +132,8 @@ def zigzag(rng, ground, vehicle, heart):
 
 def write_items(path, items):
     rows = ["QGC WPL 110"]
-    for seq, (frame, command, p1, p2, lat, lon, z) in enumerate(items):
-        row = [seq, int(seq == 0), frame, command, f"{p1:g}", f"{p2:g}", 0, 0, f"{lat:.7f}", f"{lon:.7f}", f"{z:g}", 1]
+    for seq, (frame, command, p1, p2, lat, lon, z, *more) in enumerate(items):
+        p3 = more[0] if more else 0
+        row = [seq, int(seq == 0), frame, command, f"{p1:g}", f"{p2:g}", f"{p3:g}", 0, f"{lat:.7f}", f"{lon:.7f}", f"{z:g}", 1]
         rows.append("\t".join(map(str, row)))
     path.write_text("\n".join(rows) + "\n")

@@ -6,12 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from .earth import A, axes, distance, ecef, geodetic
+from .earth import A, distance, ecef
+from .shapes import Arc, Height, Line, Motion, Point
 
 G = 9.80665
 SAME_M = 0.025
 SLOW_M = 10.0
-TAKEOFF_LATE, PX4_TAKEOFF_LATE = 12.0, 14.0
+# Seconds early and late from the takeoff on.
+FROM_TAKEOFF = {
+    ("ardupilot", "copter"): (0.0, 12.0), ("px4", "copter"): (0.0, 14.0), ("ardupilot", "plane"): (10.0, 0.0),
+    ("px4", "plane"): (10.0, 0.0), ("ardupilot", "vtol"): (4.0, 12.0), ("px4", "vtol"): (0.0, 30.0),
+}
 STOP_LATE, PX4_LEG_LATE, CORNER_LATE = 4.5, 1.5, 0.2
 JERK, PX4_TURNING = 1.0, 0.5
 # Change of course, degrees, and the seconds more than overlapping profiles take.
@@ -74,95 +79,9 @@ def read_items(path):
         at = round(float(field[8]) * 1e7) / 1e7, round(float(field[9]) * 1e7) / 1e7
         items.append(
             {"frame": int(field[2]), "command": int(field[3]), "param1": float(np.float32(field[4])),
-             "param2": float(np.float32(field[5])), "at": at, "z": float(field[10])}
+             "param2": float(np.float32(field[5])), "param3": float(np.float32(field[6])), "at": at, "z": float(field[10])}
         )
     return items
-
-
-@dataclass
-class Height:
-    """Altitude along a shape: linear above the sea, or above the ground."""
-
-    follows: bool
-    start: float
-    end: float
-
-    def amsl(self, ground, lat, lon, s):
-        value = self.start + (self.end - self.start) * s
-        return value + ground.height(lat, lon) if self.follows else value
-
-
-class Line:
-    """From one place to another: the chord through the earth, seen from above."""
-
-    def __init__(self, start, end, height):
-        self.start, self.end, self.height = ecef(*start), ecef(*end), height
-        chord = float(np.linalg.norm(self.end - self.start))
-        self.length = 2 * A * math.asin(chord / (2 * A))
-
-    def xyz(self, s):
-        return self.start + (self.end - self.start) * np.asarray(s)[..., None]
-
-    def place(self, s):
-        return geodetic(self.xyz(s))
-
-
-class Arc:
-    """Part of a circle in the plane that touches the earth at a corner."""
-
-    def __init__(self, corner, before, after, radius, taken, height):
-        self.corner, self.height = ecef(*corner), height
-        self.east, self.north = axes(*corner)
-        into, out = (self.flat(self.corner - ecef(*before)), self.flat(ecef(*after) - self.corner))
-        into, out = into / np.hypot(*into), out / np.hypot(*out)
-        self.sweep = math.atan2(into[0] * out[1] - into[1] * out[0], into @ out)
-        side = math.copysign(1, self.sweep)
-        self.radius, self.length = radius, radius * abs(self.sweep)
-        self.center = -taken * into + side * radius * np.array([-into[1], into[0]])
-        self.angle = math.atan2(*(-taken * into - self.center)[::-1])
-
-    def flat(self, xyz):
-        return np.array([xyz @ self.east, xyz @ self.north])
-
-    def place(self, s):
-        angle = self.angle + self.sweep * np.asarray(s)
-        east = self.center[0] + self.radius * np.cos(angle)
-        north = self.center[1] + self.radius * np.sin(angle)
-        return geodetic(self.corner + east[..., None] * self.east + north[..., None] * self.north)
-
-
-class Point:
-    """One place; `height` may change."""
-
-    length = 0.0
-
-    def __init__(self, at, height):
-        self.at, self.height = at, height
-
-    def place(self, s):
-        return tuple(np.full(np.shape(s), value) for value in self.at)
-
-
-@dataclass
-class Motion:
-    """A part of a shape flown with constant acceleration along it."""
-
-    shape: object
-    part: tuple  # fractions of the shape at the ends
-    speed: tuple  # at the ends, along the shape
-    start: float
-    end: float
-    fastest: tuple  # greatest speeds across and up
-    late: float = 0.0  # by how much it may be late, for the stops and legs before it
-    wide: float = 0.0  # how far beside it the vehicle may be, for the separation
-
-    def fraction(self, t):
-        if self.end <= self.start or math.isinf(self.end):
-            return np.full(np.shape(t), self.part[0])
-        tau = np.clip((t - self.start) / (self.end - self.start), 0, 1)
-        a, b = self.speed
-        covered = tau * (2 * a + (b - a) * tau) / (a + b) if a + b > 0 else tau
-        return self.part[0] + (self.part[1] - self.part[0]) * covered
 
 
 @dataclass
@@ -182,8 +101,12 @@ class Flight:
         self.profile = Profile(vehicle["accel_mps2"])
         self.ardupilot = vehicle["autopilot"] == "ardupilot"
         self.motions, self.judged, self.follows = [], [], False
+        self.reaches = None
+        self.slopes, self.grounded = [], []  # climb-outs and glides; what no height is asked of
         self.speed, self.t, self.knots, self.turned = vehicle["speed_mps"], 0.0, [], 0.0
         self.late = 0.0
+        # How far circles of the verdict and its ways of the L1 law may be off, and the steepest leg of those.
+        self.chords, self.loose, self.steep = 0.0, 0.0, 0.0
         home = items[0]["at"]
         self.home = Knot(home, float(ground.height(*home)))
         self.fly(items[1:])
@@ -431,10 +354,13 @@ class Flight:
         return (self.furthest(origin) / A) ** 2 / 2 * sum(motion.shape.length for motion in self.motions)
 
     def furthest(self, origin):
-        ends = np.array([0.0, 1.0])
-        return max(
-            float(np.linalg.norm(ecef(*shape.place(ends)) - ecef(*origin), axis=-1).max()) for shape in self.judged
-        )
+        """How far from a place it comes."""
+        if self.reaches is None:
+            ends = np.array([0.0, 1.0])
+            lines = [xyz for s in self.judged if isinstance(s, Line) for xyz in (s.start, s.end)]
+            others = [xyz for s in self.judged if not isinstance(s, Line) for xyz in ecef(*s.place(ends))]
+            self.reaches = float(np.linalg.norm(np.array(lines + others) - ecef(*origin), axis=-1).max())
+        return self.reaches
 
     def late_at(self, t):
         """By how much the vehicle may be late at times, for the stops and legs before."""
@@ -449,9 +375,17 @@ class Flight:
         return wide[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
 
     def takeoff_late(self, other):
-        """By how much this of two copters may be late against the other from their takeoffs on."""
-        own = TAKEOFF_LATE if self.ardupilot else PX4_TAKEOFF_LATE
-        return 0.0 if self.ardupilot == other.ardupilot else own
+        """By how much this of two vehicles may be late against the other from their takeoffs on."""
+        kind, its = ((flight.vehicle["autopilot"], flight.vehicle["airframe"]) for flight in (self, other))
+        return 0.0 if kind == its else FROM_TAKEOFF[kind][1] + FROM_TAKEOFF[its][0]
+
+    @property
+    def kind(self):
+        return f"{self.vehicle['airframe']}-{self.vehicle['autopilot']}"
+
+    def everywhere(self):
+        """What is judged against threats and the ceiling."""
+        return self.judged + self.slopes + self.grounded + [m.shape for m in self.motions if isinstance(m.shape, Point)]
 
     def horizon(self):
         return max(m.end if math.isfinite(m.end) else m.start for m in self.motions)

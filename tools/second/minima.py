@@ -4,59 +4,131 @@ import math
 
 import numpy as np
 
-from .earth import ecef
-from .flight import Point
+from .earth import ecef, geodetic
+from .shapes import Line
 
 EPS_M = 0.01
 
 
-def along(shapes, value, slope):
+class Lines:
+    """Straight lines with altitudes above the sea, or all above the ground, judged all at once."""
+
+    def __init__(self, lines, follows):
+        self.follows = follows
+        self.start, self.end = (np.array([getattr(line, end) for line in lines]) for end in ("start", "end"))
+        self.length = np.array([line.length for line in lines])
+        self.values_m = np.array([(line.height.start, line.height.end) for line in lines])
+        self.floor = np.array([math.nan if line.slope_from is None else line.slope_from for line in lines])
+        self.climb = np.abs(np.diff(self.values_m)[:, 0]) / np.maximum(self.length, 1e-9)
+
+    def place(self, index, s):
+        return geodetic(self.start[index] + (self.end - self.start)[index] * s[:, None])
+
+    def value(self, index, s):
+        start, end = self.values_m[index].T
+        return start + (end - start) * s
+
+    def amsl(self, ground, index, s):
+        value = self.value(index, s)
+        return value + ground.height(*self.place(index, s)) if self.follows else value
+
+
+class One:
+    """Any other shape alone."""
+
+    def __init__(self, shape):
+        self.shape, self.length = shape, np.array([shape.length])
+        self.floor = np.array([math.nan if shape.slope_from is None else shape.slope_from])
+        height = shape.height
+        self.climb = np.array([abs(height.end - height.start) / shape.length if shape.length else 0.0])
+        self.follows = height.follows
+
+    def value(self, index, s):
+        return self.shape.height.start + (self.shape.height.end - self.shape.height.start) * s
+
+    def place(self, index, s):
+        return self.shape.place(s)
+
+    def amsl(self, ground, index, s):
+        lat, lon = self.shape.place(s)
+        return self.shape.height.amsl(ground, lat, lon, s)
+
+
+def bundles(shapes):
+    lines = {follows: [s for s in shapes if isinstance(s, Line) and s.height.follows == follows] for follows in (False, True)}
+    return [Lines(some, follows) for follows, some in lines.items() if some] + [One(s) for s in shapes if not isinstance(s, Line)]
+
+
+def along(all_shapes, value, slope):
     """The least value along shapes and how far below it the true one may be."""
     best, low = math.inf, math.inf
-    for shape in shapes:
-        ends = value(shape, np.array([0.0, 1.0]))
-        best = min(best, float(ends.min()))
-    for shape in shapes:
-        steep = slope(shape)
-        count = max(1, math.ceil(shape.length / 4))
-        cells, half = (np.arange(count) + 0.5) / count, 0.5 / count
-        while len(cells) and shape.length > 0:
-            values = value(shape, cells)
+    for shapes in all_shapes:
+        index = np.arange(len(shapes.length))
+        for s in (0.0, 1.0):
+            best = min(best, float(value(shapes, index, np.full(len(index), s)).min()))
+    for shapes in all_shapes:
+        steep = slope(shapes)
+        count = np.where(shapes.length > 0, np.maximum(np.ceil(shapes.length / 4), 1), 0).astype(int)
+        index = np.repeat(np.arange(len(count)), count)
+        s = (np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[index]
+        half = 0.5 / count[index]
+        while len(index):
+            values = value(shapes, index, s)
             best = min(best, float(values.min()))
-            reach = steep * half * shape.length
+            reach = steep[index] * half * shapes.length[index]
             keep = values - reach < best - EPS_M
-            if half * shape.length < 0.002:
-                low = min(low, float((values - reach)[keep].min(initial=math.inf)))
-                break
-            half /= 4
-            cells = (cells[keep][:, None] + half * np.array([-3, -1, 1, 3])).ravel()
+            done = keep & (half * shapes.length[index] < 0.002)
+            low = min(low, float((values - reach)[done].min(initial=math.inf)))
+            keep &= ~done
+            index, half = np.repeat(index[keep], 4), np.repeat(half[keep] / 4, 4)
+            s = (s[keep][:, None] + half.reshape(-1, 4) * np.array([-3, -1, 1, 3])).ravel()
     return best, best - min(low, best - EPS_M)
 
 
 def clearance(flight):
+    return over_ground(flight, flight.judged, 0.0)
+
+
+def slope_clearance(flight):
+    """Over what a climb-out or a glide asks for: half of the height above the ground where it begins or ends."""
+    return over_ground(flight, flight.slopes, 0.5)
+
+
+def over_ground(flight, judged, share):
     ground = flight.ground
 
-    def value(shape, s):
-        if shape.height.follows:
-            return shape.height.start + (shape.height.end - shape.height.start) * s
-        lat, lon = shape.place(s)
-        return shape.height.amsl(ground, lat, lon, s) - ground.height(lat, lon)
+    def value(shapes, index, s):
+        if shapes.follows:
+            return shapes.value(index, s)
+        amsl = shapes.amsl(ground, index, s)
+        over = amsl - ground.height(*shapes.place(index, s))
+        return over - share * (amsl - shapes.floor[index]) if share else over
 
-    def slope(shape):
-        own = abs(shape.height.end - shape.height.start) / shape.length if shape.length else 0
-        return own if shape.height.follows else own + ground.steepest
+    def slope(shapes):
+        return shapes.climb + (0.0 if shapes.follows else ground.steepest)
 
-    return along(flight.judged, value, slope)
+    return along(bundles(judged), value, slope)
+
+
+def ceiling(flight):
+    """The greatest altitude, negative, so that it is a least value."""
+
+    def value(shapes, index, s):
+        return -shapes.amsl(flight.ground, index, s)
+
+    def slope(shapes):
+        return shapes.climb + (flight.ground.steepest if shapes.follows else 0.0)
+
+    return along(bundles(flight.everywhere()), value, slope)
 
 
 def to_threat(flight, threat):
     axis = ecef(threat["lat"], threat["lon"])
-    shapes = flight.judged + [m.shape for m in flight.motions if isinstance(m.shape, Point)]
 
-    def value(shape, s):
-        return np.linalg.norm(ecef(*shape.place(s)) - axis, axis=-1) - threat["radius_m"]
+    def value(shapes, index, s):
+        return np.linalg.norm(ecef(*shapes.place(index, s)) - axis, axis=-1) - threat["radius_m"]
 
-    return along(shapes, value, lambda shape: 1.0)
+    return along(bundles(flight.everywhere()), value, lambda shapes: np.ones(len(shapes.length)))
 
 
 class Fastest:

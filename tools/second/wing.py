@@ -1,88 +1,392 @@
-"""The flight of a VTOL of PX4 on its wing in still air, judged in space, by the text of src/verify/mod.rs."""
+"""The flight of a plane or VTOL judged in space, by the texts of src/verify/mod.rs and src/verify/execute/wing/mod.rs."""
 
 import math
+from dataclasses import dataclass, replace
 
-from .earth import distance
-from .flight import G, LAND, SPEED, TAKEOFF, WAYPOINT, Arc, Flight, Height, Knot, Line
+import numpy as np
 
-VTOL_TAKEOFF, VTOL_LAND = 84, 85
-LAG_S, LASTS_S = 3.5, 7.0
+from .circles import Circles, parts
+from .earth import A, axes, distance, ecef, geodetic
+from .flight import DELAY, G, HOLD, LAND, RETURN, SPEED, STAY, STOP_LATE, TAKEOFF, TO_ALT, WAYPOINT, Flight, Knot
+from .l1 import STEP_S, Law, air_ratio
+from .shapes import Arc, Height, Line
+
+TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
+ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
 OFF_M = 0.01  # less than this is no offset
+SMALL_CLIMB_M = 15.0
+CLIMB_OUT_SHARE, OVERSHOOT_M, LATER_SHARE, CARRIED_SHARE = 0.2, 14.0, 0.3, 0.32
+WAY_M = 0.5  # a way of the L1 law that is nearer to its legs is not judged
 
 
-def air_ratio(amsl):
-    return (1 - 2.25577e-5 * amsl) ** -2.12794
+def read_params(path):
+    """The parameters beside a `.waypoints` file, of either autopilot."""
+    beside = path.with_name(path.name.split(".")[0] + ".params")
+    rows = [line.replace(",", " ").split() for line in beside.read_text().splitlines()] if beside.exists() else []
+    named = [row[2:4] if row[0].isdigit() else row[:2] for row in rows if row and row[0] != "#"]
+    return {name: float(value) for name, value in named}
 
 
-class WingFlight(Flight):
-    """Takeoff and landing on rotors, legs, arcs, lag and early altitudes. Not for separation: no lateness."""
+class Plane:
+    """East and north in the plane that touches the earth at a place."""
 
-    def __init__(self, vehicle, items, ground, tolerance):
-        to_rotors = {VTOL_TAKEOFF: TAKEOFF, VTOL_LAND: LAND}
-        items = [item | {"command": to_rotors.get(item["command"], item["command"])} for item in items]
-        assert all(item["command"] in (WAYPOINT, SPEED, TAKEOFF, LAND) for item in items)
-        super().__init__(vehicle, items, ground, tolerance, 0.0)
+    def __init__(self, at):
+        self.touches, (self.east, self.north) = ecef(*at), axes(*at)
 
-    def stop(self):
-        knots, self.knots = self.knots, self.knots[-1:]
+    def flat(self, at):
+        off = ecef(*at) - self.touches
+        return np.array([off @ self.east, off @ self.north])
+
+    def place(self, flat):
+        lat, lon = geodetic(self.touches + flat[0] * self.east + flat[1] * self.north)
+        return float(lat), float(lon)
+
+
+@dataclass
+class WingKnot(Knot):
+    slope_from: float = None  # the ground that the leg to here climbs from or glides to
+    takeoff: bool = False
+
+
+def course(a, b):
+    """Clockwise from north."""
+    return math.atan2(*(b - a))
+
+
+def ahead(a, clockwise, far):
+    return a + far * np.array([math.sin(clockwise), math.cos(clockwise)])
+
+
+class WingFlight(Circles, Flight):
+    def __init__(self, vehicle, items, ground, spec, params, origin):
+        self.plane, self.params = Plane(origin), params
+        self.wind = spec.get("wind")
+        buffers = spec.get("buffer_m", {})
+        self.min_agl = spec["area"]["min_agl_m"] + buffers.get("terrain", buffers.get("all", 0))
+        n = vehicle["max_load_factor"]
+        self.lateral = G * math.sqrt(n * n - 1)
+        self.fastest = self.most(vehicle["speed_mps"], spec["area"]["max_amsl_m"])
+        self.turn_radius = self.fastest**2 / self.lateral
+        ardupilot = vehicle["autopilot"] == "ardupilot"
+        self.lag = ARDUPILOT_LAG_S if ardupilot else PX4_LAG_S
+        small = params.get("ALT_SLOPE_MIN", params.get("GLIDE_SLOPE_MIN", SMALL_CLIMB_M))
+        self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
+        self.law = Law(params, n) if ardupilot else None
+        self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
+        super().__init__(vehicle, items, ground, spec["mission"]["tolerance_m"], 0.0)
+
+    def most(self, speed, amsl):
+        return speed * air_ratio(amsl) + (self.wind["speed_mps"] if self.wind else 0.0)
+
+    def over_ground(self, speed, amsl, clockwise):
+        air = speed * air_ratio(amsl)
+        if not self.wind:
+            return air
+        off = clockwise - math.radians(self.wind["from_deg"])
+        return math.sqrt(air**2 - (self.wind["speed_mps"] * math.sin(off)) ** 2) - self.wind["speed_mps"] * math.cos(off)
+
+    def flat(self, knot):
+        return self.plane.flat(knot.at)
+
+    def lay(self, a, b, low, high, slope_from=None, follows=False):
+        """A straight line to be judged in space, between places of the plane."""
+        line = Line(self.plane.place(a), self.plane.place(b), Height(follows, low, high), slope_from)
+        (self.judged if slope_from is None else self.slopes).append(line)
+
+    def fly(self, items):
+        vtol = self.vehicle["airframe"] == "vtol"
+        for i, item in enumerate(items):
+            command = item["command"]
+            if command == SPEED:
+                self.speed = item["param2"]
+            elif command == DELAY:
+                pass
+            elif command == TAKEOFF and not vtol:
+                self.climb_out(item)
+            elif command == VTOL_TAKEOFF and vtol:
+                self.rise(item)
+            elif command == WAYPOINT:
+                self.pass_by(item)
+            elif command == STAY:
+                return self.stay(item["at"], self.resolve(item, item["at"])[0], item["param3"])
+            elif command in (TURNS, HOLD, TO_ALT):
+                self.circle_a_while(item, items[i + 1] if i + 1 < len(items) else None)
+            elif command == LAND and not vtol:
+                return self.glide(item)
+            elif command == VTOL_LAND and vtol:
+                self.append(WingKnot(item["at"], self.knots[-1].amsl, None, self.speed))
+                return self.descend()
+            elif command == RETURN:
+                return self.go_home()
+            else:
+                raise ValueError(f"command {command}")
+        if self.ardupilot:
+            return self.go_home()
+        last = self.knots[-1]
+        self.legs(last.speed)
+        self.stay(last.at, last.amsl, self.params["NAV_LOITER_RAD"])
+
+    def pass_by(self, item):
+        self.append(WingKnot(item["at"], *self.resolve(item, item["at"]), self.speed))
+
+    def go_home(self):
+        """ArduPlane: a circle over home."""
+        last, amsl = self.knots[-1], self.home.amsl + self.params["RTL_ALTITUDE"]
+        if last.amsl < amsl:
+            self.lay(self.flat(last), self.flat(self.home), last.amsl, last.amsl)
+        self.stay(self.home.at, amsl, self.params["WP_LOITER_RAD"])
+
+    def climb_out(self, item):
+        amsl, _ = self.resolve(item, self.home.at)
+        start = self.flat(self.home)
+        heading = self.vehicle["takeoff_heading_deg"]
+        clockwise = math.radians(heading) if self.ardupilot else course(start, self.plane.flat(item["at"]))
+        speed, accel = self.vehicle["speed_mps"], self.vehicle["accel_mps2"]
+        v = self.over_ground(speed, amsl, clockwise)
+        run = v * v / (2 * accel)
+        off = ahead(start, clockwise, run)
+        place = self.plane.place(off)
+        ground = float(self.ground.height(*place))
+        slope = min(math.tan(math.radians(self.vehicle["max_climb_deg"])), self.vehicle["climb_mps"] / self.fastest)
+        top = ahead(off, clockwise, (amsl - ground) / slope)
+        roll = Line(self.home.at, place, Height(False, self.home.amsl, ground))
+        self.grounded.append(roll)
+        self.add(roll, (0, 1), (v / 2, v / 2), 2 * run / v, (v, abs(ground - self.home.amsl) / run * v))
+        self.knots, self.moving = [WingKnot(place, ground)], speed
+        last = WingKnot(self.plane.place(top), amsl, None, speed, takeoff=True)
+        self.knots += self.in_two(self.knots[0], last, ground)
+        if self.ardupilot:
+            early = off + CLIMB_OUT_SHARE * (top - off)
+            self.lay(early, top, amsl + OVERSHOOT_M, amsl + OVERSHOOT_M)
+            carried = self.carried((amsl - ground) / self.vehicle["climb_mps"])
+            for off in carried[1:]:
+                there = self.plane.place(early + off)
+                steep = [self.knots[0], *self.in_two(self.knots[0], replace(last, at=there), ground)]
+                for a, b in zip(steep, steep[1:]):
+                    self.lay(self.flat(a), self.flat(b), a.amsl, b.amsl, b.slope_from)
+            self.early_top = early, top, amsl, carried
+
+    def carried(self, lasts):
+        """How far off the wind may carry a climb-out: it holds its heading."""
+        if not self.wind:
+            return [np.zeros(2)] * 2
+        far = CARRIED_SHARE * lasts * self.wind["speed_mps"]
+        off = ahead(np.zeros(2), math.radians(self.wind["from_deg"]) + math.pi, far)
+        count = parts(far)
+        return [off * k / count for k in range(count + 1)]
+
+    def in_two(self, low, high, ground):
+        """From the ground up: as long as half of the height is asked for, and the rest."""
+        split = ground + 2 * self.min_agl
+        if split >= high.amsl:
+            return [replace(high, slope_from=ground)]
+        a, b = self.flat(low), self.flat(high)
+        at = self.plane.place(a + (b - a) * (split - ground) / (high.amsl - ground))
+        return [replace(high, at=at, amsl=split, slope_from=ground), high]
+
+    def leave_early(self, knots):
+        if self.early_top is None:
+            return
+        (early, top, amsl, carried), self.early_top = self.early_top, None
+        onto = next(knot for knot in knots[1:] if not knot.takeoff)
+        for share in (0, LATER_SHARE / 3, LATER_SHARE * 2 / 3, LATER_SHARE):
+            for off in carried:
+                self.lay(early + share * (top - early) + off, self.flat(onto), amsl, onto.amsl)
+
+    def glide(self, item):
+        ground = float(self.ground.height(*item["at"]))
+        last = self.knots[-1]
+        down = WingKnot(item["at"], ground, None, self.speed, slope_from=ground)
+        parts = self.in_two(replace(down, slope_from=None), replace(last, slope_from=None), ground)
+        if len(parts) == 2:
+            self.append(replace(parts[0], speed=self.speed, slope_from=None, takeoff=False))
+        self.append(down)
+        self.legs(self.speed)
+
+    def rise(self, item):
+        """On rotors, straight up: ArduPlane by the altitude of the item, whatever its frame."""
+        z = float(np.float32(item["z"]))
+        amsl = self.home.amsl + math.trunc(z * 100) / 100 if self.ardupilot else self.resolve(item, self.home.at)[0]
+        self.knots = [WingKnot(self.home.at, self.home.amsl)]
+        self.lift(amsl)
+        self.knots, self.moving = [WingKnot(self.home.at, amsl)], 0.0
+        if self.ardupilot:
+            self.region(amsl)
+        elif distance(item["at"], self.home.at) > self.tolerance:
+            self.append(WingKnot(item["at"], amsl, None, self.speed))
+            self.legs(0.0)
+
+    def descend(self):
+        """On rotors; a QuadPlane that comes with the wind from behind is driven off."""
+        far = [(a, b) for a, b in zip(self.knots, self.knots[1:]) if distance(a.at, b.at) > 1.0]
+        self.legs(0.0)
+        top = self.knots[-1].amsl
+        self.touch_down()
+        if far and self.wind and self.ardupilot:
+            clockwise = course(*(self.flat(knot) for knot in far[-1]))
+            if math.cos(clockwise - math.radians(self.wind["from_deg"])) < 0:
+                self.driven(self.flat(self.knots[-1]), self.knots[-1].amsl, top)
+
+    def append(self, knot):
+        if distance(knot.at, self.knots[-1].at) > 0.025:
+            self.knots.append(knot)
+        else:
+            assert abs(knot.amsl - self.knots[-1].amsl) < 0.025, "a climb on the spot, on a wing"
+
+    def legs(self, last_speed):
+        """Flies the legs so far, and has a speed at the last knot."""
+        knots, self.knots, first_speed = self.knots, self.knots[-1:], self.moving
         if len(knots) < 2:
             return
-        legs = [Line(a.at, b.at, Height(False, a.amsl, b.amsl)) for a, b in zip(knots, knots[1:])]
-        self.judged += legs
+        self.moving = last_speed
+        flat = [self.flat(knot) for knot in knots]
+        legs = [Line(a.at, b.at, self.height(a, b), b.slope_from) for a, b in zip(knots, knots[1:])]
+        for leg in legs:
+            (self.judged if leg.slope_from is None else self.slopes).append(leg)
         lengths = [leg.length for leg in legs]
-        cruise = [b.speed * air_ratio((a.amsl + b.amsl) / 2) for a, b in zip(knots, knots[1:])]
-        half, taken = self.corners(knots, legs, cruise)
-        speeds = [0.0, *(min(pair) for pair in zip(cruise, cruise[1:])), 0.0]
-        passing = self.passing(speeds, lengths, taken)
+        cruise = [self.over_ground(b.speed, (a.amsl + b.amsl) / 2, course(p, q))
+                  for a, b, p, q in zip(knots, knots[1:], flat, flat[1:])]
+        if self.ardupilot and len(knots) > 2:
+            self.steep = max([self.steep] + [abs(leg.height.end - leg.height.start) / leg.length for leg in legs])
+            self.note_short([leg.length < self.law.ahead(v) for leg, v in zip(legs, cruise)])
+        half, taken = self.corners(knots, legs)
+        first, last = first_speed * cruise[0] / knots[1].speed, last_speed * cruise[-1] / knots[-1].speed
+        passing = self.passing_wing(cruise, lengths, taken, (first, last))
         times = []
         for i, leg in enumerate(legs):
             begin = self.t
-            self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], cruise[i])
+            self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i][1], passing[i + 1][0], cruise[i])
             if i + 1 < len(legs) and taken[i + 1] > 0:
-                self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
+                self.round(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
             times.append(self.t - begin)
-        self.lags(knots, legs, times)
-        self.early(knots, legs)
+        heights = self.offsets(knots, legs, times)
+        for leg, others in zip(legs, heights):
+            ends = leg.start, leg.end
+            for height in others[1:]:
+                self.judged.append(line_between(ends, leg.length, height))
+        if not self.ardupilot:
+            self.early(knots, legs)
+        else:
+            self.leave_early(knots)
+            if len(knots) > 2:
+                fixes = self.law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)
+                self.lay_way(flat, knots, heights, fixes)
+        self.leave_hull(flat, knots, heights, cruise)
+        self.late += 0.0 if last_speed > 0 else STOP_LATE
 
-    def corners(self, knots, legs, cruise):
-        n = self.vehicle["max_load_factor"]
-        half, wanted = [0.0] * len(knots), [0.0] * len(knots)
+    def along(self, origin):
+        """Arcs of near reversals are long, and longer by much for an angle that the verdict's plane has different."""
+        return super().along(origin) + 2 * (self.furthest(origin) / A) ** 2 * self.bent
+
+    def note_short(self, are_short):
+        """The most legs in a row on which it is still in the turn before, so that a step of that counts again."""
+        row = 0
+        for is_short in are_short:
+            row = row + 1 if is_short else 0
+            self.short = max(self.short, row)
+
+    def height(self, a, b):
+        if b.agl is None:
+            return Height(False, a.amsl, b.amsl)
+        self.follows = True
+        return Height(True, a.amsl - float(self.ground.height(*a.at)), b.agl)
+
+    def corners(self, knots, legs):
+        half, needed = [0.0] * len(knots), [0.0] * len(knots)
         for i in range(1, len(knots) - 1):
             sweep = Arc(knots[i].at, knots[i - 1].at, knots[i + 1].at, 1.0, 0.0, None).sweep
             half[i] = min(abs(sweep) / 2, math.radians(89.9))
-            v = max(knots[i].speed, knots[i + 1].speed) * air_ratio(knots[i].amsl)
-            wanted[i] = v * v / (G * math.sqrt(n * n - 1)) * math.tan(half[i])
-        taken = list(wanted)
+            v = self.most(max(knots[i].speed, knots[i + 1].speed), knots[i].amsl)
+            needed[i] = v * v / self.lateral * math.tan(half[i])
+            self.bent += v * v / self.lateral / (2 * math.cos(half[i]) ** 2)
+        taken = list(needed)
         for i, leg in enumerate(legs):
-            both = wanted[i] + wanted[i + 1]
+            both = needed[i] + needed[i + 1]
             if both > 0.99 * leg.length:
                 for k in (i, i + 1):
-                    taken[k] = min(taken[k], wanted[k] * 0.99 * leg.length / both)
+                    taken[k] = min(taken[k], needed[k] * 0.99 * leg.length / both)
         return half, taken
 
-    def lags(self, knots, legs, times):
-        """Below a climb and above a descent, on the leg after too; of a descent for 7 s.
-        What is above decides ceilings, which are not compared."""
-        rates = [(b.amsl - a.amsl) / t for a, b, t in zip(knots, knots[1:], times)]
-        for i, leg in enumerate(legs):
-            most = max(rates[i], rates[i - 1] if i else 0.0, 0.0)
-            least, ago = min(rates[i], rates[i - 1] if i else 0.0, 0.0), 0.0
-            for k in reversed(range(i)):
-                if ago < LASTS_S:
-                    least = min(least, rates[k])
-                ago += times[k]
-            for rate in (most, least):
-                if abs(LAG_S * rate) > OFF_M:
-                    off = -LAG_S * rate
-                    self.judged.append(Line(knots[i].at, knots[i + 1].at,
-                                            Height(False, leg.height.start + off, leg.height.end + off)))
+    def passing_wing(self, cruise, lengths, taken, ends):
+        """Speeds into each knot and out of it: the wind carries a wing from one leg's to the other's."""
+        pairs = list(zip(cruise, cruise[1:]))
+        inner = pairs if self.wind else [(min(pair), min(pair)) for pair in pairs]
+        speeds = [(ends[0], ends[0]), *inner, (ends[1], ends[1])]
+        free = [length - a - b for length, a, b in zip(lengths, taken, taken[1:])]
+        reach = lambda v, i: math.sqrt(v * v + 2 * self.vehicle["accel_mps2"] * free[i])
+        for i in range(len(free)):
+            most = reach(speeds[i][1], i)
+            if speeds[i + 1][0] > most:
+                speeds[i + 1] = most, min(speeds[i + 1][1], most)
+        for i in reversed(range(len(free))):
+            most = reach(speeds[i + 1][0], i)
+            if speeds[i][1] > most:
+                speeds[i] = min(speeds[i][0], most), most
+        return speeds
+
+    def round(self, knots, legs, half, taken, speeds):
+        both = all(leg.height.follows for leg in legs)
+        ends = []
+        for leg, s in ((legs[0], 1 - taken / legs[0].length), (legs[1], taken / legs[1].length)):
+            value = leg.height.start + (leg.height.end - leg.height.start) * s
+            ends.append(value + float(self.ground.height(*leg.place(s))) if leg.height.follows and not both else value)
+        before, corner, after = (knot.at for knot in knots)
+        shape = Arc(corner, before, after, taken / math.tan(half), taken, Height(both, *ends))
+        shape.slope_from = legs[0].slope_from
+        if half > 1e-6 and shape.length > 1e-9:
+            (self.judged if shape.slope_from is None else self.slopes).append(shape)
+            self.move(shape, (0.0, 1.0), speeds, shape.length)
+
+    def offsets(self, knots, legs, times):
+        """For each leg its own altitudes, those of its end where it climbs little, and those of the lag."""
+        behind, found = [], []  # of each leg: its rate (none of a climb-out), the lag that it leaves, and how long ago it ended
+        for b, leg, lasts in zip(knots[1:], legs, times):
+            heights, rise, follows = [leg.height], leg.height.end - leg.height.start, leg.height.follows
+            found.append(heights)
+            behind = [(r, left, ago) for r, left, ago in behind if ago < 2 * self.lag]
+            if b.slope_from is None and abs(rise) < self.small:
+                heights.append(Height(follows, leg.height.end, leg.height.end))
+            rate = rise / max(lasts, 1e-9)
+            # Of what it climbs over followed ground nothing is known.
+            left = math.inf if follows else math.copysign(min(abs(rise), self.lag * abs(rate)), rise)
+            if b.slope_from is not None or follows:
+                rate, behind = None, [(None, before, ago) for _, before, ago in behind]
+            else:
+                rates, lags = [r for r, _, _ in behind if r is not None], [left] + [before for _, before, _ in behind]
+                some = math.inf if math.inf in lags else None
+                below = min(self.lag * max([rate, 0.0] + rates[-1:]), some or sum(lag for lag in lags if lag > 0))
+                above = min(-self.lag * min([rate, 0.0] + rates), some or -sum(lag for lag in lags if lag < 0))
+                heights += [Height(False, leg.height.start + off, leg.height.end + off)
+                            for off in (-below, above) if abs(off) > OFF_M]
+            behind = [(r, before, ago + lasts) for r, before, ago in behind] + [(rate, left, 0.0)]
+        return found
 
     def early(self, knots, legs):
-        """At the altitude of a place a loiter radius before it."""
+        """PX4: at the altitude of a place a loiter radius before it."""
+        radius = max(self.vehicle["loiter_radius_m"], self.params.get("NAV_LOITER_RAD", 0.0))
         for a, b, leg in zip(knots, knots[1:], legs):
-            share = max(0.0, 1 - self.vehicle["loiter_radius_m"] / leg.length)
-            lat, lon = leg.place(share)
-            there = float(lat), float(lon)
+            if b.slope_from is not None:
+                continue
+            share = max(0.0, 1 - radius / leg.length)
+            there = tuple(map(float, leg.place(share)))
             if share > 0 and distance(a.at, there) > OFF_M:
                 self.judged.append(Line(a.at, there, Height(False, a.amsl, b.amsl)))
             self.judged.append(Line(there, b.at, Height(False, b.amsl, b.amsl)))
+
+    def lay_way(self, flat, knots, heights, way):
+        """The way of the L1 law, each half second of it at the altitudes of the leg that it follows at its end."""
+        for (a, b, leg, aside) in way:
+            if aside < WAY_M:
+                continue
+            self.loose = max(self.loose, (2 + self.short) * STEP_S * self.fastest)
+            p, q = flat[leg], flat[leg + 1]
+            shares = [float(np.clip((x - p) @ (q - p) / ((q - p) @ (q - p)), 0, 1)) for x in (a, b)]
+            for height in heights[leg]:
+                ends = [height.start + (height.end - height.start) * s for s in shares]
+                self.lay(a, b, *ends, knots[leg + 1].slope_from, height.follows)
+
+
+def line_between(ends, length, height):
+    line = Line.__new__(Line)
+    (line.start, line.end), line.length, line.height, line.slope_from = ends, length, height, None
+    return line

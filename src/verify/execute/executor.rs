@@ -27,7 +27,7 @@ use super::wing::l1::Guidance;
 use crate::verify::measure::segment::Phase;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
-const SAME_PLACE_M: f64 = 0.025;
+pub(crate) const SAME_PLACE_M: f64 = 0.025;
 /// Places further from the origin than this are beyond the local frame.
 const REACH_M: f64 = 500_000.0;
 

@@ -9,8 +9,6 @@ use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::measure::segment::Chord;
 
-/// Legs that are flown faster have no length to speak of, seconds.
-const MIN_FLOWN_S: f64 = 1e-3;
 /// A lag of a descent is still there after a leg for this many times the lag.
 const LASTS: f64 = 2.0;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
@@ -104,8 +102,8 @@ impl Pilot<'_> {
         firsts: &[usize],
     ) -> Result<Vec<Vec<AltitudeLine>>, Unknown> {
         let mut all = Vec::new();
-        // Climb rates of the legs behind, and how long ago each ended, seconds.
-        let mut behind: Vec<(f64, f64)> = Vec::new();
+        // Their climb rates, and the lag that each leaves at its end.
+        let (mut behind, mut lagged) = (Behind::default(), Behind::default());
         for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
             let mut lines = Vec::new();
             let line = self.trajectory.altitude_line(&pair[0], &pair[1])?;
@@ -115,30 +113,62 @@ impl Pilot<'_> {
                 lines.push(line.end());
             }
             let flown_s = when.1 - when.0;
-            // A leg without length is no slope.
-            if is_free || line.follows || flown_s < MIN_FLOWN_S {
-                behind.clear();
-                all.push(lines);
-                continue;
-            }
-            let climb_mps = line.change_m() / flown_s;
-            let before_mps = behind.last().map_or(0.0, |(rate_mps, _)| *rate_mps);
-            let most_mps = climb_mps.max(before_mps);
-            let rates = behind.iter().map(|(rate_mps, _)| *rate_mps);
-            let least_mps = rates.fold(climb_mps.min(before_mps), f64::min);
-            for lag_mps in [most_mps.max(0.0), least_mps.min(0.0)] {
-                let offset_m = -self.lag_s * lag_mps;
-                if offset_m.abs() > TOLERANCE_M {
-                    lines.push(line.raised(offset_m));
+            let rate_mps = both_ways(line.change_m()).map(|climb_m| climb_m / flown_s);
+            let lasts_s = LASTS * self.lag_s;
+            // How much it climbs over the ground that it follows is not looked at.
+            let lagged_m = match line.follows {
+                true => [f64::INFINITY; 2],
+                false => [0, 1]
+                    .map(|way| both_ways(line.change_m())[way].min(self.lag_s * rate_mps[way])),
+            };
+            if is_free || line.follows {
+                behind.0.clear();
+            } else {
+                let [before_up_mps, _] = behind.0.last().map_or([0.0; 2], |last| last.0);
+                let most_mps = [
+                    rate_mps[0].max(before_up_mps),
+                    behind.values(1).fold(rate_mps[1], f64::max),
+                ];
+                for (way, side) in [(0, -1.0), (1, 1.0)] {
+                    // What each leg leaves is no more than it climbs, however steep.
+                    let left_m = lagged
+                        .values(way)
+                        .fold(lagged_m[way], |sum_m, more_m| sum_m + more_m);
+                    let offset_m = side * (self.lag_s * most_mps[way]).min(left_m);
+                    if offset_m.abs() > TOLERANCE_M {
+                        lines.push(line.raised(offset_m));
+                    }
                 }
+                behind.go_on(rate_mps, flown_s, lasts_s);
             }
-            behind.push((climb_mps, -flown_s));
-            for (_, ago_s) in &mut behind {
-                *ago_s += flown_s;
-            }
-            behind.retain(|(_, ago_s)| *ago_s < LASTS * self.lag_s);
+            lagged.go_on(lagged_m, flown_s, lasts_s);
             all.push(lines);
         }
         Ok(all)
     }
+}
+
+/// A figure of the legs behind, up and down, and how long ago each ended, seconds.
+#[derive(Default)]
+struct Behind(Vec<([f64; 2], f64)>);
+
+impl Behind {
+    /// Adds a leg that took so long; those that ended long ago no longer count.
+    fn go_on(&mut self, value: [f64; 2], flown_s: f64, lasts_s: f64) {
+        for (_, ago_s) in &mut self.0 {
+            *ago_s += flown_s;
+        }
+        self.0.push((value, 0.0));
+        self.0.retain(|(_, ago_s)| *ago_s < lasts_s);
+    }
+
+    /// The figures one way: 0 up, 1 down.
+    fn values(&self, way: usize) -> impl Iterator<Item = f64> {
+        self.0.iter().map(move |(value, _)| value[way])
+    }
+}
+
+/// A climb up and down: only one of them is more than 0.
+fn both_ways(climb: f64) -> [f64; 2] {
+    [climb.max(0.0), (-climb).max(0.0)]
 }

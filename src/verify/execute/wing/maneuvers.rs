@@ -9,7 +9,7 @@ use crate::spec::Autopilot;
 
 use super::drift::carried_points;
 use crate::verify::execute::decode::Unknown;
-use crate::verify::execute::executor::Pilot;
+use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
 use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark};
 use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed};
@@ -293,6 +293,11 @@ impl Pilot<'_> {
         let away_m = from.at.distance_m(middle);
         let rim_m = radius_m.abs();
         let mut within = None;
+        // From the middle itself, where only rounding has a direction, north.
+        let outward_rad = match away_m > SAME_PLACE_M {
+            true => heading_rad(middle, from.at),
+            false => 0.0,
+        };
         let rim_at = if away_m > rim_m {
             // Clockwise the middle is to the right of the tangent.
             let aside_rad = (rim_m / away_m).asin() * radius_m.signum();
@@ -301,11 +306,11 @@ impl Pilot<'_> {
             along(from.at, course_rad, tangent_m)
         } else if self.stations.departure.is_airborne() {
             // It is on its circle already.
-            along(middle, heading_rad(middle, from.at), rim_m)
+            along(middle, outward_rad, rim_m)
         } else {
             // It comes to its rim somewhere, and turns on to it beyond at worst.
             within = Some(self.wide_reach_m(rim_m));
-            along(middle, heading_rad(middle, from.at), rim_m)
+            along(middle, outward_rad, rim_m)
         };
         let first = self.trajectory.chords.len();
         let rim = self.knot(row, rim_at, amsl_m, None);

@@ -1,4 +1,65 @@
 //! How planes and VTOLs fly mission items.
+//!
+//! # The flight model of wings
+//!
+//! The text of [`crate::verify`] in full where it concerns wings, so that it can be written a second time. A
+//! QuadPlane is a vtol of ArduPlane. Directions are those of the tangent plane at the origin. The loiter radius of
+//! a wing of PX4 is `loiter_radius_m`, or `NAV_LOITER_RAD` if that is more. `R` without a corner is that of
+//! `speed_mps` at the ceiling of the area (`max_amsl_m`), in wind with the wind's speed.
+//!
+//! **Climb-out.** A plane runs from home for `v^2 / 2a`, `v` its speed over the ground on its course at the
+//! altitude of the item, `a` its `accel_mps2` (in time at `v / 2`), and leaves the ground. From there it climbs
+//! straight on to that
+//! altitude, by `max_climb_deg` or `climb_mps` over the speed of `R`, whichever is less: a leg that begins with its
+//! speed and ends at a corner. The course leads to the place of the item (PX4), or is `takeoff_heading_deg`
+//! (ArduPlane). As long as its height above the ground of the lift-off is less than twice `min_agl_m` with its
+//! buffer, half of that height must be clear; from there on it is a leg as any other.
+//!
+//! ArduPlane is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
+//! the altitude at 0.2, and straight to the next place from there and from 0.1, 0.2 and 0.3 of what is left of the
+//! way. In wind each of these points is anywhere up to as far downwind as the wind goes in 0.32 of the time that
+//! `climb_mps` takes.
+//!
+//! **Glide.** Straight from the place before to the ground at the place of the item, which must be within 10 m of
+//! its altitude. Its last part is judged as the first of a climb-out.
+//!
+//! **Onto a circle.** Along the tangent, clockwise where the radius `r` is positive, with the altitude of the
+//! circle at its end; in space as well straight to the middle, of ArduPlane also 6 m, and what is left of the
+//! climb, above and below the two ends of that line. Of a climb of `c` to a middle at a distance `d` is left `c r /
+//! d`, on the line 0, and the lag of `c` in the time that `speed_mps` takes for `d`, of `climb_mps` at most. From
+//! within the circle it flies straight out to the rim, from the middle north, and is anywhere within `r + 2 R` at
+//! the altitudes before and after.
+//!
+//! **On a circle.** The orbit. Of ArduPlane rings from `r - 0.2 R` to `r + 0.75 R`, or `1.2 r` of one that it
+//! leaves if that is more: at the altitude of the circle, 6 m and what is left of a climb lower, 6 m and what is
+//! left of a descent higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
+//! circle that is not left towards a place further away than `r`, and any of PX4 that is left: a disc of `r + 2 R`.
+//!
+//! **Off a circle or a climb on rotors.** From the rim of the region straight to the next place, from the altitude
+//! there; level, 6 m higher of ArduPlane, where the place is lower; and at the altitudes of the leg from the
+//! middle, at each place by how far along it that is. So on legs after it that begin in the region.
+//!
+//! **The L1 law** (`AP_L1_Control::update_waypoint`, `Plane::verify_nav_wp`). With the period `T` (`NAVL1_PERIOD`,
+//! 17 s), the damping `z` (`NAVL1_DAMPING`, 0.75) and the speed over the ground `v`, `L = z T v / pi`. The angle
+//! `n1` has the sine of the distance to the right of the leg over `L`, at most 45 degrees. Where it is below 5
+//! degrees, an integral grows by 0.02 of it a second, up to 0.1. `n2` is the course to the right of that of the
+//! leg. With `n` the sum of the three, at most 90 degrees, the law demands `4 z^2 v^2 sin(n) / L` to the left, by
+//! the bank whose tangent is that over `g`, at most `ROLL_LIMIT_DEG` or else that of the load factor. The bank
+//! follows within 0.5 s (an error of it falls to `1/e`), and 0.7 of what it gives turns the wing. The speed through
+//! the air is that of the leg.
+//!
+//! It begins at the first place on the course of the first leg, and takes the next leg abeam of the end of one, or
+//! where that end is nearer than `WP_RADIUS` (90 m) times the square of the true over the indicated airspeed, or
+//! `L` of the speed of the leg if that is less, times the change of course as a share of 90 degrees, 1 at most.
+//! Steps are 0.05 s. Each half second in which it is 0.5 m off its leg and the one before is judged as a straight
+//! line, at the altitudes of the leg at its end, by how far along that it is.
+//!
+//! **Arrivals.** After the climb of a QuadPlane these are judged as well for the three legs after the last one that
+//! begins in the region, for a wing that comes to their first place straight through the region, on courses up to
+//! 10 degrees apart from tangent to tangent.
+//!
+//! **Regions** are judged along lines up to 15 m apart, 2 parts at least: discs from west to east, rings along
+//! polygons of 12 sides at least, hulls and columns from places on the rim, the wind's by parts of its way.
 
 pub(crate) mod altitude_lag;
 pub(crate) mod altitude_offsets;

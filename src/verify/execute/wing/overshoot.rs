@@ -13,6 +13,7 @@ use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{EarlyTop, Hull};
 use crate::verify::execute::legs::Knot;
+use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::measure::segment::{Chord, Phase};
 
 /// Ways nearer to their legs than this are not looked at, metres.
@@ -48,7 +49,8 @@ impl Pilot<'_> {
         }
         let fixes = guidance.follow(knots, grounds_mps);
         self.widen(knots, firsts, &fixes);
-        self.lay_way(knots, firsts, &fixes)
+        let lines = self.leg_lines(knots, firsts)?;
+        self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)
     }
 
     /// Lays the way on from the place at the end of a hull, to be judged in space, for a wing that comes
@@ -71,6 +73,8 @@ impl Pilot<'_> {
         let on = leg + 1;
         let end = (on + ARRIVAL_LEGS).min(knots.len() - 1);
         let turn_rad = Line::new(before.at, place.at).turn_rad(&Line::new(place.at, next.at));
+        // The lag of the leg to the place is still there on those after it.
+        let (lines, times) = (self.leg_lines(knots, firsts)?, self.times_s(firsts));
         for step in -steps..=steps {
             let off_rad = most_rad * f64::from(step) / f64::from(steps);
             let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
@@ -89,15 +93,18 @@ impl Pilot<'_> {
                     }
                 }
             }
-            self.lay_way(&knots[on..=end], &firsts[on..end], &fixes)?;
+            self.lay_way(&knots[on..=end], (&lines[on..end], &times[on..end]), &fixes)?;
         }
         Ok(())
     }
 
-    /// Lays a way along legs, as far as it is off them.
-    fn lay_way(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) -> Result<(), Unknown> {
-        let lines = self.leg_lines(knots, firsts)?;
-        let times = self.times_s(firsts);
+    /// Lays a way along legs, as far as it is off them, at the altitudes of each leg and at its times.
+    fn lay_way(
+        &mut self,
+        knots: &[Knot],
+        (lines, times): (&[Vec<AltitudeLine>], &[(f64, f64)]),
+        fixes: &[Fix],
+    ) -> Result<(), Unknown> {
         for (index, pair) in fixes
             .iter()
             .step_by(EVERY)

@@ -1,0 +1,254 @@
+"""Circles of wings and the regions around them, by the text of src/verify/execute/wing/mod.rs."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .earth import geodetic
+from .flight import HOLD, RETURN, SAME_M, TO_ALT
+from .shapes import Height, Line, Point
+
+CHORD_M = 0.02
+ORBIT_PIECES = 100  # of half an orbit in wind
+APART_M = 15.0  # lines that stand for a region
+WIDE_SHARE, INSIDE_SHARE, LEVEL_M, ALIGNED_REACH = 0.75, 0.2, 6.0, 1.2
+TRANSITION_M, DRIFT_S, DRIFT_SHARE, SIDES, LANDING_DRIFT_S = 80.0, 21.0, 0.8, 12, 20.0
+ARRIVAL_DEG, ARRIVAL_LEGS = 10.0, 3
+
+
+def parts(length, least=2):
+    return max(least, math.ceil(length / APART_M - 1e-9))
+
+
+def direction(clockwise):
+    return np.array([math.sin(clockwise), math.cos(clockwise)])
+
+
+@dataclass
+class Hull:
+    """The disc around a place that a wing leaves somewhere, and goes on from."""
+
+    middle: object
+    amsl: float
+    reach: float
+    any_course: bool = False
+
+    def rim(self, to):
+        """Places whose lines to another place cover the hull of the disc and that place."""
+        off = to - self.middle
+        away = math.hypot(*off)
+        toward = math.atan2(*off)
+        tangent = math.acos(min(self.reach / max(away, 1e-9), 1.0))
+        arc = 2 * math.pi - 2 * tangent
+        count = parts(arc * self.reach)
+        return [self.middle + self.reach * direction(toward + tangent + arc * k / count) for k in range(count + 1)]
+
+
+class Circles:
+    @property
+    def level(self):
+        return LEVEL_M if self.ardupilot else 0.0
+
+    @property
+    def wide(self):
+        return WIDE_SHARE * self.turn_radius if self.ardupilot else 0.0
+
+    def enter(self, at, amsl, radius):
+        """To the rim along the tangent, or somewhere between that and the line to the middle."""
+        middle, last, rim = self.plane.flat(at), self.knots[-1], abs(radius)
+        start = self.flat(last)
+        off = middle - start
+        away = math.hypot(*off)
+        inside = away <= rim
+        if inside:
+            edge = middle + rim * direction(math.atan2(*(start - middle)) if away > SAME_M else 0.0)
+        else:
+            toward = math.atan2(*off) - math.copysign(math.asin(rim / away), radius)
+            edge = start + math.sqrt(away * away - rim * rim) * direction(toward)
+        first = len(self.motions)
+        self.append(type(last)(self.plane.place(edge), amsl, None, self.speed))
+        self.legs(self.speed)
+        self.lay(start, middle, last.amsl, amsl)
+        if self.ardupilot:
+            off = self.level + abs(self.left_of_climb(last, middle, amsl, 0.0))
+            for up in (-off, off):
+                self.lay(start, middle, last.amsl + up, amsl + up)
+        if inside:
+            for motion in self.motions[first:]:
+                motion.wide = max(motion.wide, rim + 2 * self.turn_radius)
+            for height in (last.amsl, amsl):
+                self.disc(middle, rim + 2 * self.turn_radius, height)
+        return last, middle, edge
+
+    def left_of_climb(self, last, middle, amsl, rim):
+        """What of a climb to the middle is left at the rim, with its lag; negative of a descent."""
+        rise = amsl - last.amsl
+        away = max(math.hypot(*(middle - self.flat(last))), 1.0)
+        lasts = max(away / self.vehicle["speed_mps"], 1.0)
+        lag = self.lag * min(abs(rise) / lasts, self.vehicle["climb_mps"])
+        return math.copysign(lag, rise) + rise * min(rim / away, 1.0)
+
+    def orbit(self, middle, edge, radius, amsl):
+        """Once around, as two half circles."""
+        self.chords, pieces = CHORD_M, ORBIT_PIECES if self.wind else 1
+        for sign in (1, -1):
+            arm = sign * (edge - middle)
+            side = math.copysign(1, radius) * np.array([arm[1], -arm[0]])  # the way it flies there
+            shape = Circle(self.plane, middle, arm, side, amsl)
+            self.judged.append(shape)
+            for k in range(pieces):
+                angle = math.pi * (k + 0.5) / pieces
+                clockwise = math.atan2(*(side * math.cos(angle) - arm * math.sin(angle)))
+                speed = self.over_ground(self.speed, amsl, clockwise)
+                self.move(shape, (k / pieces, (k + 1) / pieces), (speed, speed), shape.length / pieces)
+
+    def stay(self, at, amsl, radius):
+        last, middle, edge = self.enter(at, amsl, radius)
+        self.orbit(middle, edge, radius, amsl)
+        rim = abs(radius)
+        if self.ardupilot:
+            self.rings(middle, amsl, rim, self.wide, self.left_of_climb(last, middle, amsl, rim))
+        point = Point(self.plane.place(middle), Height(False, amsl, amsl))
+        self.judged.append(point)
+        self.add(point, (0, 0), (0, 0), math.inf, (0.0, 0.0), rim + self.wide)
+
+    def circle_a_while(self, item, onto):
+        amsl, _ = self.resolve(item, item["at"])
+        radius = self.radius_of(item)
+        last, middle, edge = self.enter(item["at"], amsl, radius)
+        self.orbit(middle, edge, radius, amsl)
+        rim = abs(radius)
+        elsewhere = onto is not None and onto["command"] != RETURN and (
+            math.hypot(*(self.plane.flat(onto["at"]) - middle)) > rim)
+        aligned = self.ardupilot and elsewhere
+        reach = max(ALIGNED_REACH * rim, rim + self.wide) if aligned else rim + 2 * self.turn_radius
+        self.judged.append(Point(self.plane.place(middle), Height(False, amsl, amsl)))
+        if item["command"] == TO_ALT:
+            count = parts(2 * math.pi * reach)
+            for k in range(count):
+                at = self.plane.place(middle + reach * direction(2 * math.pi * k / count))
+                self.judged.append(Point(at, Height(False, last.amsl, amsl)))
+            self.disc(middle, reach, last.amsl)
+        if aligned:
+            self.rings(middle, amsl, rim, reach - rim, self.left_of_climb(last, middle, amsl, rim))
+        else:
+            self.disc(middle, reach, amsl)
+        self.knots = [type(last)(self.plane.place(middle), amsl, None, self.speed)]
+        self.moving, self.hull = self.speed, Hull(middle, amsl, reach)
+
+    def radius_of(self, item):
+        """That of the item in whole metres, or of the parameters; ArduPlane keeps none of a loiter by time."""
+        command = item["command"]
+        own = item["param2"] if command == TO_ALT else item["param3"]
+        if self.ardupilot:
+            own = math.trunc(own)
+        if abs(own) <= 1 or (self.ardupilot and command == HOLD):
+            given = self.params["WP_LOITER_RAD" if self.ardupilot else "NAV_LOITER_RAD"]
+            return -abs(given) if math.copysign(1, own) < 0 else given
+        return own
+
+    def disc(self, middle, radius, amsl):
+        """Lines from west to east."""
+        count = parts(2 * radius)
+        for k in range(count + 1):
+            north = radius * (2 * k / count - 1)
+            east = math.sqrt(max(radius**2 - north**2, 0.0))
+            self.lay(middle + [-east, north], middle + [east, north], amsl, amsl)
+
+    def rings(self, middle, amsl, rim, wide, late):
+        inner = max(rim - INSIDE_SHARE * self.turn_radius, 0.0)
+        across = rim + wide - inner
+        count = parts(across)
+        for up in (0.0, -LEVEL_M - max(late, 0.0), LEVEL_M - min(late, 0.0)):
+            for ring in range(count + 1):
+                radius = inner + across * ring / count
+                sides = parts(2 * math.pi * radius, 12)
+                corners = [middle + radius * direction(2 * math.pi * k / sides) for k in range(sides + 1)]
+                for a, b in zip(corners, corners[1:]):
+                    self.lay(a, b, amsl + up, amsl + up)
+
+    def region(self, amsl):
+        """Where a QuadPlane may be after its climb."""
+        middle = self.flat(self.home)
+        wind = self.wind["speed_mps"] if self.wind else 0.0
+        drift = DRIFT_SHARE * wind * (amsl - self.home.amsl) / self.vehicle["climb_mps"]
+        if drift > 0:
+            for side in range(SIDES):
+                at = self.plane.place(middle + drift * direction(2 * math.pi * side / SIDES))
+                self.grounded.append(Line(self.home.at, at, Height(False, self.home.amsl, amsl)))
+        self.hull = Hull(middle, amsl, TRANSITION_M + 2 * self.turn_radius + drift + DRIFT_S * wind, True)
+
+    def driven(self, middle, ground, top):
+        """Where a QuadPlane may come down that the wind has from behind."""
+        drift = LANDING_DRIFT_S * self.wind["speed_mps"]
+        judged, self.judged = self.judged, []
+        self.disc(middle, drift, top)
+        self.grounded += self.judged
+        self.judged = judged
+        rings = parts(drift)
+        for ring in range(1, rings + 1):
+            radius = drift * ring / rings
+            count = parts(2 * math.pi * radius)
+            for k in range(count):
+                at = self.plane.place(middle + radius * direction(2 * math.pi * k / count))
+                self.grounded.append(Point(at, Height(False, ground, top)))
+
+    def leave_hull(self, flat, knots, heights, cruise):
+        if self.hull is None:
+            return
+        hull, self.hull, last = self.hull, None, 0
+        for leg, (p, q) in enumerate(zip(flat, flat[1:])):
+            if leg > 0 and math.hypot(*(p - hull.middle)) >= hull.reach:
+                break
+            last = leg
+            for at in hull.rim(q):
+                self.lay(at, q, hull.amsl, knots[leg + 1].amsl)
+                high = hull.amsl + self.level
+                if knots[leg + 1].amsl < high:
+                    self.lay(at, q, high, high)
+                for height in heights[leg]:
+                    self.along_leg(at, p, q, height)
+        if hull.any_course and len(knots) > last + 2:
+            self.arrivals(hull, last, flat, knots, heights, cruise)
+
+    def along_leg(self, at, p, q, height):
+        """From a place of the rim to the end of a leg, at the altitudes of the leg."""
+        value = lambda s: height.start + (height.end - height.start) * s
+        gone = float((at - p) @ (q - p) / ((q - p) @ (q - p)))
+        if gone >= 0:
+            self.lay(at, q, value(min(gone, 1.0)), height.end, None, height.follows)
+        else:
+            abeam = at + (q - at) * -gone / (1 - gone)
+            self.lay(at, abeam, height.start, height.start, None, height.follows)
+            self.lay(abeam, q, height.start, height.end, None, height.follows)
+
+    def arrivals(self, hull, leg, flat, knots, heights, cruise):
+        """The ways of the L1 law that come to the end of the leg from either side of the hull."""
+        place, on = flat[leg + 1], leg + 1
+        off = place - hull.middle
+        away, toward = max(math.hypot(*off), 1.0), math.atan2(*off)
+        most = math.asin(min(hull.reach / math.hypot(*off), 1.0))
+        count = min(max(math.ceil(most / math.radians(ARRIVAL_DEG) - 1e-9), 1), 9)
+        end = min(on + ARRIVAL_LEGS, len(knots) - 1)
+        for k in range(-count, count + 1):
+            start = place + away * direction(toward + math.pi + most * k / count)
+            way = self.law.arrive(start, flat[leg], flat[on : end + 1], [knot.amsl for knot in knots[on : end + 1]],
+                                  cruise[on:end], self.wind)
+            self.lay_way(flat[on : end + 1], knots[on : end + 1], heights[on:end], way)
+
+
+class Circle:
+    """Half of a circle at one altitude."""
+
+    slope_from = None
+
+    def __init__(self, plane, middle, arm, side, amsl):
+        self.plane, self.middle, self.arm, self.side = plane, middle, arm, side
+        self.height = Height(False, amsl, amsl)
+        self.length = math.pi * math.hypot(*arm)
+
+    def place(self, s):
+        angle = math.pi * np.asarray(s)[..., None]
+        flat = self.middle + self.arm * np.cos(angle) + self.side * np.sin(angle)
+        return geodetic(self.plane.touches + flat[..., :1] * self.plane.east + flat[..., 1:] * self.plane.north)

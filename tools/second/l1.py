@@ -1,0 +1,125 @@
+"""The L1 law of ArduPlane (AP_L1_Control::update_waypoint, Plane::verify_nav_wp) and a wing that banks late and slips,
+by the text of src/verify/execute/wing/mod.rs: integrated as differential equations, not in the steps of the verdict."""
+
+import math
+
+import numpy as np
+
+from .flight import G
+
+STEP_S, JUDGED_S = 0.05, 0.5
+TURNING_SHARE, BANK_LAG_S = 0.7, 0.5
+INTEGRAL_GAIN, INTEGRAL_RAD, INTEGRAL_WITHIN_RAD = 0.02, 0.1, math.radians(5)
+LEAD_S = 1.0
+
+
+def air_ratio(amsl):
+    return (1 - 2.25577e-5 * amsl) ** -2.12794
+
+
+class Leg:
+    """East and north, seen from the beginning of the leg: along it, and to the right of it."""
+
+    def __init__(self, a, b):
+        self.a, self.b = (float(a[0]), float(a[1])), (float(b[0]), float(b[1]))
+        east, north = self.b[0] - self.a[0], self.b[1] - self.a[1]
+        self.length = math.hypot(east, north)
+        self.east, self.north = east / self.length, north / self.length
+        self.course = math.atan2(east, north)
+
+    def off(self, east, north):
+        e, n = east - self.a[0], north - self.a[1]
+        return e * self.east + n * self.north, e * self.north - n * self.east
+
+    def distance(self, east, north):
+        along, right = self.off(east, north)
+        return math.hypot(right, max(-along, along - self.length, 0.0))
+
+    def turn(self, onto):
+        return abs((onto.course - self.course + math.pi) % (2 * math.pi) - math.pi)
+
+
+class Law:
+    def __init__(self, params, load_factor):
+        self.period, self.damping = params.get("NAVL1_PERIOD", 17.0), params.get("NAVL1_DAMPING", 0.75)
+        self.radius = params.get("WP_RADIUS", 90.0)
+        limit = params.get("ROLL_LIMIT_DEG")
+        self.limit = math.acos(1 / load_factor) if limit is None else math.radians(limit)
+
+    def ahead(self, speed):
+        return self.damping * self.period * speed / math.pi
+
+    def before(self, turn, speed, amsl):
+        """So far before a waypoint it takes the next leg."""
+        return min(self.radius * air_ratio(amsl) ** 2, self.ahead(speed)) * min(turn / (math.pi / 2), 1.0)
+
+    def rates(self, state, leg, air, wind):
+        """Changes of east, north, heading, bank and integral, a second."""
+        _, _, heading, bank, integral = state
+        east, north = air * math.sin(heading) + wind[0], air * math.cos(heading) + wind[1]
+        speed = math.hypot(east, north)
+        length = self.ahead(speed)
+        _, right = leg.off(state[0], state[1])
+        # Both positive where the wing is to be turned to the left.
+        nu1 = math.asin(min(max(right / length, -math.sqrt(0.5)), math.sqrt(0.5)))
+        nu2 = math.atan2(east * leg.north - north * leg.east, east * leg.east + north * leg.north)
+        nu = min(max(nu1 + integral + nu2, -math.pi / 2), math.pi / 2)
+        across = 4 * self.damping**2 * speed**2 / length * math.sin(nu)
+        asked = min(max(math.atan(across / G), -self.limit), self.limit)
+        gathers = INTEGRAL_GAIN * nu1 if abs(nu1) < INTEGRAL_WITHIN_RAD else 0.0
+        if abs(integral) >= INTEGRAL_RAD and gathers * integral > 0:
+            gathers = 0.0
+        return east, north, -TURNING_SHARE * G * math.tan(bank) / air, (asked - bank) / BANK_LAG_S, gathers
+
+    def follow(self, flat, amsl, speeds, wind):
+        """The way along legs from the first place on the course of the first leg, half a second at a time:
+        from, to, the leg that it follows at the end, and the furthest from that and the leg before."""
+        legs = [Leg(a, b) for a, b in zip(flat, flat[1:])]
+        turns = [a.turn(b) for a, b in zip(legs, legs[1:])]
+        return self.fly(legs, turns, amsl, speeds, wind, legs[0].a)
+
+    def arrive(self, start, from_place, flat, amsl, speeds, wind):
+        """The way of a wing that comes to the first place straight from `start`; where it takes the next leg
+        it reckons from the leg of the mission."""
+        along = Leg(start, flat[0])
+        legs = [along] + [Leg(a, b) for a, b in zip(flat, flat[1:])]
+        turns = [Leg(from_place, flat[0]).turn(legs[1])] + [a.turn(b) for a, b in zip(legs[1:], legs[2:])]
+        back = min(self.before(turns[0], speeds[0], amsl[0]) + LEAD_S * speeds[0], along.length)
+        begin = along.b[0] - back * along.east, along.b[1] - back * along.north
+        way = self.fly(legs, turns, [amsl[0], *amsl], [speeds[0], *speeds], wind, begin, 1)
+        return [(a, b, leg - 1, aside) for a, b, leg, aside in way]
+
+    def fly(self, legs, turns, amsl, speeds, wind, begin, first=0):
+        blows = (0.0, 0.0)
+        if wind:
+            clockwise = math.radians(wind["from_deg"])
+            blows = -wind["speed_mps"] * math.sin(clockwise), -wind["speed_mps"] * math.cos(clockwise)
+        airs = [math.hypot(v * leg.east - blows[0], v * leg.north - blows[1]) for leg, v in zip(legs, speeds)]
+        heading = math.atan2(speeds[0] * legs[0].east - blows[0], speeds[0] * legs[0].north - blows[1])
+        state = [*begin, heading, 0.0, 0.0]
+        t, i, way, since, aside, steps = 0.0, 0, [], None, 0.0, 0
+        most = 2 * sum(leg.length / v for leg, v in zip(legs, speeds)) + 60
+        before = [self.before(turn, v, z) for turn, v, z in zip(turns, speeds, amsl[1:])] + [0.0]
+        while t < most:
+            leg = legs[i]
+            along, _ = leg.off(state[0], state[1])
+            if along >= leg.length or math.hypot(state[0] - leg.b[0], state[1] - leg.b[1]) <= before[i]:
+                i += 1
+                if i == len(legs):
+                    break
+                continue
+            if since is None and i >= first:
+                since, aside, steps = (state[0], state[1]), 0.0, 0
+            a = self.rates(state, leg, airs[i], blows)
+            middle = [x + STEP_S / 2 * dx for x, dx in zip(state, a)]
+            b = self.rates(middle, leg, airs[i], blows)
+            state = [x + STEP_S * dx for x, dx in zip(state, b)]
+            t += STEP_S
+            if since is not None:
+                steps += 1
+                aside = max(aside, min(line.distance(state[0], state[1]) for line in legs[max(i - 1, 0) : i + 1]))
+                if steps * STEP_S >= JUDGED_S - 1e-9:
+                    here = state[0], state[1]
+                    way.append((np.array(since), np.array(here), i, aside))
+                    since, aside, steps = here, 0.0, 0
+        return way
