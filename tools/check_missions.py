@@ -12,8 +12,8 @@ earth between geodetic places, and minima are found by sampling (tools/second).
 Compared are, in still air and in wind: of copters of both autopilots everything above; of planes and VTOLs of both
 everything but the separation, with the climb-outs and glides of planes against their own limit (`slope`), swings by the L1
 law, circles and regions; of pairs of PX4's wings the separation too. Not compared: the separation of wings of ArduPilot (how
-late and how far beside their legs they are) and of wings that leave a circle again, wings above followed ground,
-copters on splines and circles, vehicles that depart in the air.
+late and how far beside their legs they are) and of wings that leave a circle again, copters on splines and circles,
+vehicles that depart in the air, zones, area and fence.
 
 About half of the fleets have buffers, and each limit must be that of the spec with its buffer.
 A margin agrees when sampling finds nothing worse than was reported, and nothing better by
