@@ -138,8 +138,9 @@ fn parameters_that_are_not_those_of_the_plan_start_nobody() {
             "ARMING_CHECK = 0 is none of the plan's",
         ),
         (
+            // Of a name that stands there twice the last counts.
             format!("{good}WPNAV_SPEED,900\n"),
-            "WPNAV_SPEED = 900 is none of the plan's",
+            "WPNAV_SPEED is 900, the plan assumes 1500",
         ),
     ];
     for (text_of, why) in spoilt {

@@ -260,24 +260,33 @@ impl Contract<'_> {
             }
         }
         let mut margin = worst.margin(self.id(), Limit::Speed, "m/s")?;
-        if let Some(held) = self
-            .held_speeds()
-            .filter(|_| !margin.ok && margin.note.is_empty())
+        let cruises = self.flight.cruises.iter();
+        let is_held = |mps: f64| {
+            let mut held = self.speed_limits().into_iter();
+            held.any(|(_, held_mps)| (held_mps - mps).abs() < SPEED_MPS)
+        };
+        if !margin.ok
+            && margin.note.is_empty()
+            && cruises.filter_map(|cruise| cruise.speed_mps).any(is_held)
+            && let Some(held) = self.held_speeds()
         {
             margin.note = format!("the parameters hold it within {held}");
         }
         Some(margin)
     }
 
-    /// The parameters between which the vehicle keeps its speed, with their values, if the mission
-    /// has them.
-    fn held_speeds(&self) -> Option<String> {
+    /// The parameters between which the vehicle keeps its speed, with their values in m/s, if the
+    /// mission has them.
+    fn speed_limits(&self) -> Vec<(&'static str, f64)> {
         let names = self.mission.facts().defaults.speed_parameters;
-        let held: Vec<String> = names
-            .into_iter()
-            .flatten()
-            .filter_map(|name| Some(format!("{name} {}", self.mission.param_si(name)?)))
-            .collect();
+        let held = |name: &'static str| Some((name, self.mission.param_si(name)?));
+        names.into_iter().flatten().filter_map(held).collect()
+    }
+
+    /// The same in words.
+    fn held_speeds(&self) -> Option<String> {
+        let held = self.speed_limits().into_iter();
+        let held: Vec<String> = held.map(|(name, mps)| format!("{name} {mps}")).collect();
         (!held.is_empty()).then(|| held.join(" and "))
     }
 
