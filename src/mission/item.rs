@@ -1,7 +1,8 @@
 //! The mission of one vehicle, in the integers and floats that go over the wire.
 
 use crate::autopilot::{
-    Airframe, Autopilot, Facts, Version, facts, frame, in_unit_of, other_name, parameter,
+    Airframe, Autopilot, Facts, ParameterRow, Version, facts, frame, in_unit_of, other_name,
+    parameter,
 };
 use crate::geodesy::LatLon;
 
@@ -105,8 +106,14 @@ impl VehicleMission {
     /// The same in SI units (angles in degrees), if it is finite.
     #[must_use]
     pub fn param_si(&self, name: &str) -> Option<f64> {
-        let value = self.param(name)? / parameter(name)?.unit.per_si();
-        value.is_finite().then_some(value)
+        value_si_of(&self.params, name)
+    }
+
+    /// The same, or the default of the parameter; none where its name is not known.
+    #[must_use]
+    pub fn param_or_default_si(&self, name: &str) -> Option<f64> {
+        let default = || parameter(name).map(ParameterRow::default_si);
+        self.param_si(name).or_else(default)
     }
 
     /// What its autopilot does on its airframe.
@@ -117,7 +124,7 @@ impl VehicleMission {
 }
 
 /// The value of a parameter among others, as of [`VehicleMission::param`].
-pub(crate) fn value_of(params: &[Parameter], name: &str) -> Option<f64> {
+fn value_of(params: &[Parameter], name: &str) -> Option<f64> {
     let held = |name: &str| {
         let found = params.iter().find(|param| param.name == name);
         found.map(|param| f64::from(param.value))
@@ -126,6 +133,12 @@ pub(crate) fn value_of(params: &[Parameter], name: &str) -> Option<f64> {
         let other = other_name(name)?;
         Some(in_unit_of(held(other)?, other, name))
     })
+}
+
+/// The same in SI units, as of [`VehicleMission::param_si`].
+pub(crate) fn value_si_of(params: &[Parameter], name: &str) -> Option<f64> {
+    let value = value_of(params, name)? / parameter(name)?.unit.per_si();
+    value.is_finite().then_some(value)
 }
 
 impl Item {

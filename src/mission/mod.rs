@@ -15,7 +15,7 @@ pub use build::encode::home_at;
 pub use build::fence::{FENCE_REACH_S, fence_needs, fence_pieces};
 pub use build::wing::landing_course_note;
 pub use build::{MissionError, build, build_course};
-pub(crate) use item::value_of;
+pub(crate) use item::value_si_of;
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use params::{
     acceptance_m, as_set, corner_accel_mps2, corner_cut_m, cruise_speed_mps, is_lean_limit,

@@ -9,7 +9,6 @@ mod rates;
 
 use std::path::{Path, PathBuf};
 
-use crate::autopilot::parameter;
 use crate::cli::args::{AutopilotName, Limits};
 use crate::cli::folder;
 use crate::cli::print::failure::Failure;
@@ -253,9 +252,6 @@ fn autopilot(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> A
     })
 }
 
-/// `MAV_CMD_NAV_LAST`: commands up to it fly somewhere, or wait.
-const NAV_LAST: u16 = 95;
-
 /// The flag, or a change of speed before the first leg, or the parameter next to the mission, or
 /// the default of the autopilot (`WPNAV_SPEED`, `MPC_XY_CRUISE`, `AIRSPEED_CRUISE`,
 /// `FW_AIRSPD_TRIM`).
@@ -268,14 +264,13 @@ fn speed_mps(
     let defaults = crate::autopilot::facts(who.0, who.1).defaults;
     let takeoffs = [command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF];
     let flies = |item: &&Item| {
-        item.command <= NAV_LAST && item.place().is_some() && !takeoffs.contains(&item.command)
+        item.command <= command::NAV_LAST
+            && item.place().is_some()
+            && !takeoffs.contains(&item.command)
     };
     let before = document.items.iter().take_while(|item| !flies(item));
     let changes = before.filter(|item| item.command == command::DO_CHANGE_SPEED);
-    let held = |name: &str| {
-        let per_si = parameter(name)?.unit.per_si();
-        Some(mission::value_of(params, name)? / per_si)
-    };
+    let held = |name: &str| mission::value_si_of(params, name);
     let [least, most] = defaults.speed_parameters;
     let least_mps = least.and_then(held).unwrap_or(0.0);
     let most_mps = most.and_then(held).unwrap_or(100.0);

@@ -2,7 +2,7 @@
 //! its mission.
 
 use super::{Finding, Profile};
-use crate::autopilot::{frame, parameter};
+use crate::autopilot::frame;
 use crate::geodesy::LatLon;
 use crate::mission::item::{Item, VehicleMission};
 
@@ -49,8 +49,7 @@ fn fence(profile: &Profile, mission: &VehicleMission) -> Option<Fence> {
     });
     let limit_m = |(bit, name): (u8, &str)| {
         let bit = f64::from(bit);
-        let default_m = parameter(name).map(crate::autopilot::ParameterRow::default_si);
-        let limit_m = mission.param_si(name).or(default_m)?;
+        let limit_m = mission.param_or_default_si(name)?;
         (kinds.rem_euclid(2.0 * bit) >= bit && limit_m > 0.0).then_some(limit_m)
     };
     Some(Fence {

@@ -1,7 +1,6 @@
 //! How fast vehicles climb and descend, where no flag says so: on a leg that is steeper a wing is not
 //! where the leg is, and a copter is slower than commanded.
 
-use crate::autopilot::{ParameterRow, parameter};
 use crate::cli::args::Limits;
 use crate::mission::VehicleMission;
 use crate::spec::MissionSpec;
@@ -30,10 +29,7 @@ impl Rates {
         let defaults = mission.facts().defaults;
         let of_copter = || defaults.motion_parameters.map(|[up, down, _]| [up, down]);
         let [climb, descent] = defaults.rate_parameters.or_else(of_copter)?;
-        let mps = |name: &str| {
-            let default = || parameter(name).map(ParameterRow::default_si);
-            mission.param_si(name).or_else(default)
-        };
+        let mps = |name: &str| mission.param_or_default_si(name);
         let (climb_mps, descent_mps) = (mps(climb)?, mps(descent)?);
         Some(Self {
             vehicle: vehicle.to_owned(),

@@ -7,7 +7,6 @@
 use std::f64::consts::TAU;
 
 use super::Pilot;
-use super::ends::held;
 use crate::autopilot::parameter;
 use crate::geodesy::{EastNorth, LatLon};
 use crate::mission::VehicleMission;
@@ -83,7 +82,8 @@ impl Pilot<'_> {
         let knot = self.knot(row, edge, amsl_m, agl_m);
         self.append(knot)?;
         self.stop()?;
-        let rate_deg = held(mission, "CIRCLE_RATE")
+        let rate_deg = mission
+            .param_si("CIRCLE_RATE")
             .or_else(|| parameter("CIRCLE_RATE").map(|row| row.default_si()))
             .unwrap_or(0.0);
         let orbit = Orbit {
@@ -112,7 +112,7 @@ impl Pilot<'_> {
         let own = Some(circle.radius_m.abs()).filter(|radius_m| *radius_m > 0.0);
         let radius_m = own
             .or(self.circle_m)
-            .or_else(|| held(mission, "CIRCLE_RADIUS"))
+            .or_else(|| mission.param_si("CIRCLE_RADIUS"))
             .or_else(|| parameter("CIRCLE_RADIUS").map(|row| row.default_si()));
         let radius_m = radius_m.unwrap_or(0.0).min(MAX_RADIUS_M);
         radius_m.copysign(circle.radius_m)

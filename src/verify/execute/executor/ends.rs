@@ -1,7 +1,7 @@
 //! How a flight ends: landed, at home again, or in the air for ever.
 
 use super::Pilot;
-use crate::autopilot::{Autopilot, Motion, ParameterRow, SLOW_LANDING_M, command_row, parameter};
+use crate::autopilot::{Autopilot, Motion, SLOW_LANDING_M, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command};
 use crate::path::heading_rad;
@@ -22,16 +22,9 @@ const CLIMB_FIRST: f64 = 16.0;
 /// A return altitude that differs from the one of the spec by more is the one that is flown, metres.
 const SAME_ALTITUDE_M: f64 = 0.1;
 
-/// A parameter of the mission in SI units (angles in degrees), if it is given.
-pub(crate) fn held(mission: &VehicleMission, name: &str) -> Option<f64> {
-    mission.param_si(name)
-}
-
-/// The same, or its default.
-fn held_or_default(mission: &VehicleMission, name: &str) -> f64 {
-    held(mission, name)
-        .or_else(|| parameter(name).map(ParameterRow::default_si))
-        .unwrap_or(0.0)
+/// A parameter in SI units, or its default.
+fn param_si(mission: &VehicleMission, name: &str) -> f64 {
+    mission.param_or_default_si(name).unwrap_or(0.0)
 }
 
 /// Why the parameters lead a return elsewhere than this verdict does, if they do.
@@ -47,11 +40,11 @@ fn other_return(mission: &VehicleMission) -> Option<String> {
 /// The altitude above home that `ArduCopter` does not return above, by the fence of its parameters,
 /// metres (`ModeRTL::compute_return_target`).
 fn below_fence_m(mission: &VehicleMission) -> f64 {
-    let is_on = |name: &str| held(mission, name).is_some_and(|value| value > 0.5);
-    let kinds = held_or_default(mission, "FENCE_TYPE");
+    let is_on = |name: &str| mission.param_si(name).is_some_and(|value| value > 0.5);
+    let kinds = param_si(mission, "FENCE_TYPE");
     let has_ceiling = kinds.rem_euclid(2.0) >= 1.0;
     if has_ceiling && (is_on("FENCE_ENABLE") || is_on("FENCE_AUTOENABLE")) {
-        held_or_default(mission, "FENCE_ALT_MAX") - held_or_default(mission, "FENCE_MARGIN")
+        param_si(mission, "FENCE_ALT_MAX") - param_si(mission, "FENCE_MARGIN")
     } else {
         f64::INFINITY
     }
@@ -144,7 +137,7 @@ impl Pilot<'_> {
         if self.last().amsl_m < return_m {
             self.climb(row, return_m);
         }
-        if let Some(speed_mps) = held(mission, "RTL_SPEED").filter(|mps| *mps > 0.0) {
+        if let Some(speed_mps) = mission.param_si("RTL_SPEED").filter(|mps| *mps > 0.0) {
             self.speed_mps = Some(speed_mps);
         }
         let knot = self.knot(row, self.home.at, self.last().amsl_m, None);
@@ -157,14 +150,14 @@ impl Pilot<'_> {
     fn end_over_home(&mut self, row: usize, mission: &VehicleMission) -> Result<(), Unknown> {
         let (wait, stays_m) = match mission.autopilot {
             Autopilot::ArduPilot => {
-                let final_m = held(mission, "RTL_ALT_FINAL").unwrap_or(0.0);
+                let final_m = mission.param_si("RTL_ALT_FINAL").unwrap_or(0.0);
                 let stays_m = (final_m > 0.0).then_some(self.home.amsl.0 + final_m);
                 ("RTL_LOIT_TIME", stays_m)
             }
             // At `RTL_DESCEND_ALT`; above it as well as far as is known.
             Autopilot::Px4 => ("RTL_LAND_DELAY", None),
         };
-        let wait_s = held(mission, wait).unwrap_or(0.0);
+        let wait_s = mission.param_si(wait).unwrap_or(0.0);
         if wait_s < 0.0 {
             return Unknown::err(row, "a return that stays over home (RTL_LAND_DELAY -1)");
         }
@@ -187,10 +180,10 @@ impl Pilot<'_> {
         let above_m = last.amsl_m - home_m;
         let climbed_m = match mission.autopilot {
             Autopilot::ArduPilot => {
-                let climbed_m = above_m + held_or_default(mission, "RTL_CLIMB_MIN").max(0.0);
+                let climbed_m = above_m + param_si(mission, "RTL_CLIMB_MIN").max(0.0);
                 let least_m = climbed_m.max(LEAST_RETURN_M);
-                let full_m = held(mission, "RTL_ALT")?.max(least_m);
-                let slope = held_or_default(mission, "RTL_CONE_SLOPE");
+                let full_m = mission.param_si("RTL_ALT")?.max(least_m);
+                let slope = param_si(mission, "RTL_CONE_SLOPE");
                 let target_m = if slope >= LEAST_CONE_SLOPE {
                     full_m.min((away_m * slope).max(least_m))
                 } else {
@@ -199,9 +192,9 @@ impl Pilot<'_> {
                 target_m.min(below_fence_m(mission))
             }
             Autopilot::Px4 => {
-                let full_m = held(mission, "RTL_RETURN_ALT")?;
-                let half_deg = held_or_default(mission, "RTL_CONE_ANG");
-                let cone_until_m = held_or_default(mission, "RTL_MIN_DIST");
+                let full_m = mission.param_si("RTL_RETURN_ALT")?;
+                let half_deg = param_si(mission, "RTL_CONE_ANG");
+                let cone_until_m = param_si(mission, "RTL_MIN_DIST");
                 let radius_m = self.accept_m;
                 if half_deg <= 0.0 {
                     full_m
@@ -221,17 +214,19 @@ impl Pilot<'_> {
     /// ArduPlane flies straight home, at once at `RTL_ALTITUDE` if it is below and along a slope if
     /// it is above, and circles there with `WP_LOITER_RAD` for ever.
     fn return_on_wing(&mut self, row: usize, mission: &VehicleMission) -> Result<(), Unknown> {
-        let own_m = held(mission, "RTL_RADIUS").filter(|radius_m| radius_m.abs() >= 1.0);
+        let own_m = mission
+            .param_si("RTL_RADIUS")
+            .filter(|radius_m| radius_m.abs() >= 1.0);
         let (Some(above_m), Some(radius_m)) = (
-            held(mission, "RTL_ALTITUDE"),
-            own_m.or_else(|| held(mission, "WP_LOITER_RAD")),
+            mission.param_si("RTL_ALTITUDE"),
+            own_m.or_else(|| mission.param_si("WP_LOITER_RAD")),
         ) else {
             return Unknown::err(
                 row,
                 "a return ends in a circle over home, and RTL_ALTITUDE and WP_LOITER_RAD are not known",
             );
         };
-        let options = held(mission, "FLIGHT_OPTIONS").unwrap_or(0.0);
+        let options = mission.param_si("FLIGHT_OPTIONS").unwrap_or(0.0);
         if options.rem_euclid(2.0 * CLIMB_FIRST) >= CLIMB_FIRST {
             return Unknown::err(row, "a return that climbs before it turns (FLIGHT_OPTIONS)");
         }
@@ -323,7 +318,7 @@ impl Pilot<'_> {
             if mission.autopilot == Autopilot::Px4 {
                 // It loiters around the place that it flew to last (`MissionBase::setEndOfMissionItems`).
                 let last = self.last();
-                let Some(radius_m) = held(mission, "NAV_LOITER_RAD") else {
+                let Some(radius_m) = mission.param_si("NAV_LOITER_RAD") else {
                     let why = "the mission ends in a circle, and NAV_LOITER_RAD is not known";
                     return Unknown::err(row, why);
                 };
@@ -331,7 +326,7 @@ impl Pilot<'_> {
                 self.fly_to_last(last.speed_mps)?;
                 return self.circle(row, place, Height::Sea(Amsl(last.amsl_m)), radius_m);
             }
-            return match held(mission, "RTL_ALTITUDE") {
+            return match mission.param_si("RTL_ALTITUDE") {
                 Some(_) => self.return_home(row, mission),
                 None => Unknown::err(row, "the mission ends in the air, and a wing does not stay"),
             };

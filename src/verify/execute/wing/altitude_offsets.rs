@@ -113,13 +113,13 @@ impl Pilot<'_> {
                 lines.push(line.end());
             }
             let flown_s = when.1 - when.0;
-            let rate_mps = both_ways(line.change_m()).map(|climb_m| climb_m / flown_s);
+            let climb_m = both_ways(line.change_m());
+            let rate_mps = climb_m.map(|climb_m| climb_m / flown_s);
             let lasts_s = LASTS * self.lag_s;
             // How much it climbs over the ground that it follows is not looked at.
             let lagged_m = match line.follows {
                 true => [f64::INFINITY; 2],
-                false => [0, 1]
-                    .map(|way| both_ways(line.change_m())[way].min(self.lag_s * rate_mps[way])),
+                false => [0, 1].map(|way| climb_m[way].min(self.lag_s * rate_mps[way])),
             };
             if is_free || line.follows {
                 behind.0.clear();

@@ -199,9 +199,8 @@ fn forces_vtol(mission: &VehicleMission) -> bool {
 }
 
 /// A radius from the parameters.
-pub(crate) fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
-    let found = mission.param(name);
-    found.filter(|radius| radius.is_finite() && radius.abs() > 0.0)
+fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
+    mission.param_si(name).filter(|radius| radius.abs() > 0.0)
 }
 
 #[cfg(test)]
