@@ -2,15 +2,17 @@
 
 use crate::support;
 
-use std::process::Command;
+use std::process::Output;
 
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::geodesy::Amsl;
 use sortie::plan::{BlockingElement, BlockingSets, Change, violations};
 use sortie::spec::*;
 use sortie::world::{Terrain, TerrainGrid, World};
+use support::command::{sortie, text};
 use support::plans::{EAST, SOUTH, WEST, plan};
 use support::{copter, empty_spec, generated, place, threat, world};
+use tempfile::TempDir;
 
 /// Planned, encoded and judged, as `sortie plan` does.
 fn dispatched(spec: &MissionSpec, world: &World) -> Dispatched {
@@ -397,19 +399,9 @@ fn too_few_control_points_are_made_as_many_as_the_route_needs() {
 
 #[test]
 fn plan_says_on_its_output_what_closes_every_way() {
-    let folder = std::env::temp_dir().join(format!("sortie-closed-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let spec = folder.join("closed.yaml");
-    std::fs::write(&spec, CLOSED).expect("a spec");
-    let out = Command::new(env!("CARGO_BIN_EXE_sortie"))
-        .args(["plan", "--out"])
-        .args([&folder.join("out"), &spec])
-        .output()
-        .expect("it runs");
-    let text =
-        String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
-    let plan = std::fs::read_to_string(folder.join("out/plan.json")).expect("a plan");
-    std::fs::remove_dir_all(&folder).expect("it is there");
+    let (folder, out) = planned(CLOSED);
+    let text = text(&out.stdout) + &text(&out.stderr);
+    let plan = std::fs::read_to_string(folder.path().join("out/plan.json")).expect("a plan");
     assert_eq!(out.status.code(), Some(4), "{text}");
     assert!(
         text.contains("every way is closed by zone wall and the edge of the area"),
@@ -424,23 +416,16 @@ fn plan_says_on_its_output_what_closes_every_way() {
 
 #[test]
 fn the_page_of_a_failed_plan_says_what_the_terminal_says() {
-    let folder = std::env::temp_dir().join(format!("sortie-says-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
     // The second is too low as well.
-    for text in [
+    for spec in [
         CLOSED.to_owned(),
         CLOSED.replace("max_amsl_m: 704", "max_amsl_m: 650"),
     ] {
-        let spec = folder.join("closed.yaml");
-        std::fs::write(&spec, text).expect("a spec");
-        let out = Command::new(env!("CARGO_BIN_EXE_sortie"))
-            .args(["plan", "--out"])
-            .args([&folder.join("out"), &spec])
-            .output()
-            .expect("it runs");
+        let (folder, out) = planned(&spec);
         assert_eq!(out.status.code(), Some(4));
-        let said = String::from_utf8_lossy(&out.stdout).into_owned();
-        let page = std::fs::read_to_string(folder.join("out/review.html")).expect("a page");
+        let said = text(&out.stdout);
+        let page = folder.path().join("out/review.html");
+        let page = std::fs::read_to_string(page).expect("a page");
         let reasons = said
             .lines()
             .filter_map(|line| line.strip_prefix("FAIL a: no path"));
@@ -461,7 +446,14 @@ fn the_page_of_a_failed_plan_says_what_the_terminal_says() {
             "{reason}"
         );
     }
-    std::fs::remove_dir_all(&folder).expect("it is there");
+}
+
+/// What `plan` says of a spec, and the folder with its `out`.
+fn planned(spec: &str) -> (TempDir, Output) {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("closed.yaml"), spec).expect("a spec");
+    let output = sortie(folder.path(), &["plan", "closed.yaml", "--out", "out"]);
+    (folder, output)
 }
 
 /// A wall of a metre across the whole area.

@@ -8,7 +8,7 @@
 pub(super) mod differences;
 pub(super) mod fence;
 pub(super) mod item;
-mod param_fence;
+pub(super) mod param_fence;
 pub(super) mod whole;
 pub(super) mod wing;
 

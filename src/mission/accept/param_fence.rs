@@ -7,14 +7,17 @@ use crate::geodesy::LatLon;
 use crate::mission::item::{Item, VehicleMission};
 
 /// What the parameters of a mission set: metres above home, metres around it.
-struct Fence {
-    ceiling_m: Option<f64>,
+pub(crate) struct Fence {
+    /// Whether more comes of it than a report.
+    acts: bool,
+    pub(crate) ceiling_m: Option<f64>,
     radius_m: Option<f64>,
 }
 
 /// The first item that lies beyond the fence of the mission's parameters.
 pub(crate) fn inside(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
-    let (fence, names) = (fence(profile, mission)?, profile.facts.param_fence);
+    let names = profile.facts.param_fence;
+    let fence = Fence::of(mission).filter(|fence| fence.acts)?;
     let home = place(mission.home.x, mission.home.y);
     mission.items.iter().enumerate().find_map(|(index, item)| {
         let at = place(item.x, item.y).filter(|_| profile.has_location(item))?;
@@ -33,29 +36,30 @@ pub(crate) fn inside(profile: &Profile, mission: &VehicleMission) -> Option<(usi
     })
 }
 
-/// The fence, if it is on and does something.
-fn fence(profile: &Profile, mission: &VehicleMission) -> Option<Fence> {
-    let names = profile.facts.param_fence;
-    let is_set = |name: &&str| mission.param(name).is_some_and(|value| value.abs() > 0.0);
-    let is_on = names.switches.is_empty() || names.switches.iter().any(is_set);
-    let acts = mission
-        .param(names.action)
-        .is_none_or(|value| value.abs() > 0.0);
-    if !(is_on && acts) {
-        return None;
+impl Fence {
+    /// The fence of a mission's parameters, if it is on.
+    pub(crate) fn of(mission: &VehicleMission) -> Option<Self> {
+        let names = mission.facts().param_fence;
+        let is_set = |name: &&str| mission.param(name).is_some_and(|value| value.abs() > 0.0);
+        if !(names.switches.is_empty() || names.switches.iter().any(is_set)) {
+            return None;
+        }
+        let kinds = names.kinds.map_or(u8::MAX.into(), |(name, default)| {
+            mission.param(name).unwrap_or(default.into())
+        });
+        let limit_m = |(bit, name): (u8, &str)| {
+            let bit = f64::from(bit);
+            let limit_m = mission.param_or_default_si(name)?;
+            (kinds.rem_euclid(2.0 * bit) >= bit && limit_m > 0.0).then_some(limit_m)
+        };
+        Some(Self {
+            acts: mission
+                .param(names.action)
+                .is_none_or(|value| value.abs() > 0.0),
+            ceiling_m: limit_m(names.ceiling),
+            radius_m: limit_m(names.circle),
+        })
     }
-    let kinds = names.kinds.map_or(u8::MAX.into(), |(name, default)| {
-        mission.param(name).unwrap_or(default.into())
-    });
-    let limit_m = |(bit, name): (u8, &str)| {
-        let bit = f64::from(bit);
-        let limit_m = mission.param_or_default_si(name)?;
-        (kinds.rem_euclid(2.0 * bit) >= bit && limit_m > 0.0).then_some(limit_m)
-    };
-    Some(Fence {
-        ceiling_m: limit_m(names.ceiling),
-        radius_m: limit_m(names.circle),
-    })
 }
 
 /// The place of 1e-7 degrees; 0, 0 is none.

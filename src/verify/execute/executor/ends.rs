@@ -3,7 +3,7 @@
 use super::Pilot;
 use crate::autopilot::{Autopilot, Motion, SLOW_LANDING_M, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{Item, VehicleMission, command};
+use crate::mission::{Item, ParamFence, VehicleMission, command};
 use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
@@ -40,14 +40,10 @@ fn other_return(mission: &VehicleMission) -> Option<String> {
 /// The altitude above home that `ArduCopter` does not return above, by the fence of its parameters,
 /// metres (`ModeRTL::compute_return_target`).
 fn below_fence_m(mission: &VehicleMission) -> f64 {
-    let is_on = |name: &str| mission.param_si(name).is_some_and(|value| value > 0.5);
-    let kinds = param_si(mission, "FENCE_TYPE");
-    let has_ceiling = kinds.rem_euclid(2.0) >= 1.0;
-    if has_ceiling && (is_on("FENCE_ENABLE") || is_on("FENCE_AUTOENABLE")) {
-        param_si(mission, "FENCE_ALT_MAX") - param_si(mission, "FENCE_MARGIN")
-    } else {
-        f64::INFINITY
-    }
+    let ceiling_m = ParamFence::of(mission).and_then(|fence| fence.ceiling_m);
+    ceiling_m.map_or(f64::INFINITY, |ceiling_m| {
+        ceiling_m - param_si(mission, "FENCE_MARGIN")
+    })
 }
 
 /// The middle of the box around points.
