@@ -66,9 +66,7 @@ impl Shown {
         assert_eq!(output.status.code(), Some(0), "{said}");
         let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a file");
         let page = read("p.html");
-        let (_, data) = page.split_once("id=\"data\">").expect("the data");
-        let (data, _) = data.split_once("</script>").expect("its end");
-        let data: Value = serde_json::from_str(data).expect("JSON");
+        let data = data_of(&page);
         let scene = &data["scene"];
         let number = |value: &Value| value.as_f64().expect("a number");
         let origin = LatLon::new(number(&scene["origin"][0]), number(&scene["origin"][1]));
@@ -141,6 +139,13 @@ impl Shown {
     fn hours(&self) -> f64 {
         self.flown.last().expect("segments")[1].1 / 3600.0
     }
+}
+
+/// What a page draws.
+fn data_of(page: &str) -> Value {
+    let (_, data) = page.split_once("id=\"data\">").expect("the data");
+    let (data, _) = data.split_once("</script>").expect("its end");
+    serde_json::from_str(data).expect("JSON")
 }
 
 fn rows(items: &[String]) -> String {
@@ -246,9 +251,7 @@ fn a_mission_whose_first_item_is_unknown_still_shows_its_waypoints() {
     assert_eq!(output.status.code(), Some(4), "{said}");
     assert!(said.contains("cannot judge from item 1 on"), "{said}");
     let page = fs::read_to_string(folder.path().join("p.html")).expect("a page");
-    let (_, data) = page.split_once("id=\"data\">").expect("the data");
-    let (data, _) = data.split_once("</script>").expect("its end");
-    let data: Value = serde_json::from_str(data).expect("JSON");
+    let data = data_of(&page);
     let vehicle = &data["scene"]["vehicles"][0];
     let shown = vehicle["waypoints"].as_array().expect("waypoints");
     assert_eq!(shown.len(), 41);
