@@ -7,5 +7,6 @@ mod changed_meanwhile;
 mod link_commands;
 mod mission_upload;
 mod moved_links;
+mod plan_and_upload;
 mod simulated_vehicle;
 mod udp_loopback;

@@ -86,24 +86,6 @@ fn a_table_goes_with_the_plan_and_no_other_is_uploaded_with_it() {
 }
 
 #[test]
-fn vehicles_made_by_grids_are_planned_and_uploaded_like_any() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let spec = SPEC
-        .replace("  csv: tables/pair.csv\n", "  start_grid: {south_west: {lat: 36.285, lon: -84.29}, rows: 1, columns: 2, spacing_m: 300}\n  goal_grid: {south_west: {lat: 36.285, lon: -84.27}, rows: 1, columns: 2, spacing_m: 300}\n");
-    fs::write(folder.path().join("pair.yaml"), spec).expect("written");
-    let run = |arguments: &[&str]| {
-        let output = sortie(folder.path(), arguments);
-        (
-            output.status.code(),
-            text(&output.stdout) + &text(&output.stderr),
-        )
-    };
-    let (code, said) = run(&["plan", "pair.yaml", "--upload"]);
-    assert_eq!(code, Some(0), "{said}");
-    assert_eq!(said.matches("verified").count(), 2, "{said}");
-}
-
-#[test]
 fn of_a_large_fleet_the_table_shows_the_forty_nearest_to_a_limit_the_worst_first() {
     let folder = tempfile::tempdir().expect("a folder");
     // All come down to 65 m, which leaves 5 m, but one that passes a threat by a hair besides.
