@@ -136,6 +136,7 @@ impl<'a> RouteContext<'a> {
         FloorMaker::new(
             (self.world, layer),
             margins.within_m(layer.max_agl_m - self.world.min_agl.0),
+            (&self.ends, self.margins.threat_m),
             Slopes::new(
                 VehicleLimits::of(self.vehicle()),
                 1.0 - climb_fraction - TOLERANCE,

@@ -4,8 +4,8 @@
 use fearless_simd::{Level, dispatch};
 
 use super::Demand;
-use crate::cost::Relief;
-use crate::geodesy::{Amsl, EastNorth};
+use crate::cost::{Relief, RouteEnds};
+use crate::geodesy::{Agl, Amsl, EastNorth};
 use crate::numeric::geometry::Offset;
 use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
@@ -74,17 +74,21 @@ pub(crate) struct FloorMaker<'a> {
 
 impl<'a> FloorMaker<'a> {
     /// Keeps `over_m` more than the minimum above ground, as much above zones, and `under_m` less
-    /// than the greatest height above ground.
+    /// than the greatest height above ground. Zones that have a buffer begin `around_m` before it,
+    /// as they do in the objective; paths of specs without buffers stay as they are.
     pub(crate) fn new(
         (world, layer): (&'a World, Layer),
         (over_m, under_m): (f64, f64),
+        (ends, around_m): (&RouteEnds, f64),
         slopes: Slopes,
     ) -> Self {
+        let ends = [ends.from.at, ends.to.at].map(|at| [at.east_m, at.north_m]);
         let zones = world
             .zones
             .iter()
             .filter_map(|zone| {
-                let under_m = over_m;
+                let above = Agl(world.min_agl.0 + over_m);
+                let under_m = zone.margin_under_m(over_m, above);
                 let over_m = over_m.min(AIM * zone.margin_over_m(over_m, world.max_amsl));
                 let has_room = match (zone.floor, zone.ceiling) {
                     (None, None) => false,
@@ -92,7 +96,10 @@ impl<'a> FloorMaker<'a> {
                     _ => true,
                 };
                 has_room.then(|| LowZone {
-                    closed: zone.offset(),
+                    closed: match zone.buffer_m > 0.0 {
+                        true => zone.away_from(ends, around_m),
+                        false => zone.offset(),
+                    },
                     zone,
                     over_m,
                     under_m,
