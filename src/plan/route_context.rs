@@ -136,12 +136,12 @@ impl<'a> RouteContext<'a> {
         FloorMaker::new(
             (self.world, layer),
             margins.within_m(layer.max_agl_m - self.world.min_agl.0),
-            (&self.ends, self.margins.threat_m),
             Slopes::new(
                 VehicleLimits::of(self.vehicle()),
                 1.0 - climb_fraction - TOLERANCE,
             ),
         )
+        .with_margin(&self.ends, self.margins.threat_m)
     }
 
     /// The smaller of the vehicle's slope limits, at its higher end.

@@ -74,15 +74,12 @@ pub(crate) struct FloorMaker<'a> {
 
 impl<'a> FloorMaker<'a> {
     /// Keeps `over_m` more than the minimum above ground, as much above zones, and `under_m` less
-    /// than the greatest height above ground. Zones that have a buffer begin `around_m` before it,
-    /// as they do in the objective; paths of specs without buffers stay as they are.
+    /// than the greatest height above ground.
     pub(crate) fn new(
         (world, layer): (&'a World, Layer),
         (over_m, under_m): (f64, f64),
-        (ends, around_m): (&RouteEnds, f64),
         slopes: Slopes,
     ) -> Self {
-        let ends = [ends.from.at, ends.to.at].map(|at| [at.east_m, at.north_m]);
         let zones = world
             .zones
             .iter()
@@ -96,10 +93,7 @@ impl<'a> FloorMaker<'a> {
                     _ => true,
                 };
                 has_room.then(|| LowZone {
-                    closed: match zone.buffer_m > 0.0 {
-                        true => zone.away_from(ends, around_m),
-                        false => zone.offset(),
-                    },
+                    closed: zone.offset(),
                     zone,
                     over_m,
                     under_m,
@@ -116,6 +110,16 @@ impl<'a> FloorMaker<'a> {
             slopes,
             level: Level::new(),
         }
+    }
+
+    /// The same where zones that have a buffer begin `margin_m` before it, as they do in the objective of
+    /// a route; paths of specs without buffers stay as they are.
+    pub(crate) fn with_margin(mut self, ends: &RouteEnds, margin_m: f64) -> Self {
+        let ends = [ends.from.at, ends.to.at].map(|at| [at.east_m, at.north_m]);
+        for low in self.zones.iter_mut().filter(|low| low.zone.buffer_m > 0.0) {
+            low.closed = low.zone.away_from(ends, margin_m);
+        }
+        self
     }
 
     /// The demand on the altitude over a track; also fills the horizontal lengths of its
