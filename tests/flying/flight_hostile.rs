@@ -459,6 +459,38 @@ fn a_vehicle_that_streams_positions_already_is_asked_for_its_current_item() {
     assert!(plan.judge(&sky).passes());
 }
 
+/// As a stock ArduPilot does that was asked for one position before, by an upload.
+#[test]
+fn a_vehicle_that_gives_one_position_and_no_stream_is_asked_for_a_stream() {
+    let fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
+    let plan = plan(fleet, OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    let streams = Rc::new(RefCell::new([false; 2]));
+    let ordered = Rc::clone(&streams);
+    sky.up = Some(Box::new(move |_, _, message| {
+        if let Message::Flight(FlightMessage::Command { target, order }) = message
+            && order.command == Command::SET_MESSAGE_INTERVAL
+            && order.params[0].to_bits() == 33_f32.to_bits()
+        {
+            ordered.borrow_mut()[usize::from(target.system) - 1] = true;
+        }
+        None
+    }));
+    let mut given = [false; 2];
+    sky.down = Some(Box::new(move |_, from, message| {
+        let number = usize::from(from.system) - 1;
+        let is_position = matches!(message, Message::Flight(FlightMessage::Position(_)));
+        if is_position && given[number] && !streams.borrow()[number] {
+            return Vec::new();
+        }
+        given[number] |= is_position;
+        vec![(from, message)]
+    }));
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    assert_eq!(count(&sky, "ALARM position"), 0, "{:?}", all_text(&sky));
+    assert!(plan.judge(&sky).passes());
+}
+
 #[cfg(unix)]
 fn signal(flight: &in_flight::Flight, name: &str) {
     let id = flight.0.id().to_string();

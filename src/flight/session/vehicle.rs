@@ -141,6 +141,8 @@ pub(crate) struct FlightVehicle<'a> {
     /// Whether it came with the last message.
     pub(crate) is_fresh: bool,
     pub(crate) item: usize,
+    /// When its last position came.
+    position_at: Option<Time>,
     /// When it last said which item is its current one.
     item_at: Option<Time>,
     /// When it last reported its own health.
@@ -218,6 +220,7 @@ impl<'a> FlightVehicle<'a> {
             latest: None,
             is_fresh: false,
             item: 0,
+            position_at: None,
             item_at: None,
             health_at: None,
             invalid_positions: 0,
@@ -352,7 +355,10 @@ impl<'a> FlightVehicle<'a> {
         message: &FlightMessage,
     ) {
         match message {
-            FlightMessage::Position(position) => self.position(flight_ms, t0_ms, position),
+            FlightMessage::Position(position) => {
+                self.position_at = Some(now);
+                self.position(flight_ms, t0_ms, position);
+            }
             FlightMessage::ItemReached { seq } => {
                 let row = self.row(*seq);
                 let flies = matches!(self.stage, Stage::Flying | Stage::Starting);

@@ -153,8 +153,9 @@ impl FlightVehicle<'_> {
         }
         let streams = |id| Command::new(Command::SET_MESSAGE_INTERVAL, [id, interval_us]);
         let is_ready = matches!(self.stage, Stage::Ready);
-        let rejoins = matches!(self.stage, Stage::Rejoining { .. });
-        if self.latest.is_none() || is_ready || rejoins {
+        let flies = matches!(self.stage, Stage::Starting | Stage::Flying);
+        // A position may be the answer to somebody's single request, and no stream follows it.
+        if !flies || self.position_at.is_none_or(|at| now - at > STALE_MS) {
             ask(streams(POSITION));
         }
         // A vehicle may stream positions already, and nothing about its mission.
