@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .earth import geodetic
 from .flight import HOLD, RETURN, SAME_M, TO_ALT
 from .shapes import Height, Line, Point
 
@@ -251,4 +250,4 @@ class Circle:
     def place(self, s):
         angle = math.pi * np.asarray(s)[..., None]
         flat = self.middle + self.arm * np.cos(angle) + self.side * np.sin(angle)
-        return geodetic(self.plane.touches + flat[..., :1] * self.plane.east + flat[..., 1:] * self.plane.north)
+        return self.plane.places(flat)
