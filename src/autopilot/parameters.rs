@@ -113,6 +113,9 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     // 0: twice WPNAV_ACCEL.
     until_4_7(p("WPNAV_ACCEL_C", 0.0, CmPs2)),
     since_4_7(p("WP_ACC_CNR", 0.0, Mps2)),
+    // m/s^3.
+    until_4_7(p("WPNAV_JERK", 1.0, Number)),
+    since_4_7(p("WP_JERK", 1.0, Number)),
     until_4_7(p("WPNAV_ACCEL_Z", 100.0, CmPs2)),
     since_4_7(p("WP_ACC_Z", 1.0, Mps2)),
     until_4_7(p("WPNAV_SPEED_UP", 250.0, CmPs)),
@@ -299,6 +302,7 @@ const RENAMED: &[[&str; 2]] = &[
     ["WP_SPD_DN", "WPNAV_SPEED_DN"],
     ["WP_ACC", "WPNAV_ACCEL"],
     ["WP_ACC_CNR", "WPNAV_ACCEL_C"],
+    ["WP_JERK", "WPNAV_JERK"],
     ["WP_ACC_Z", "WPNAV_ACCEL_Z"],
     ["WP_RADIUS_M", "WPNAV_RADIUS"],
     ["CIRCLE_RADIUS_M", "CIRCLE_RADIUS"],
