@@ -191,8 +191,8 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     p("WP_MAX_RADIUS", 0.0, M),
     p("FLIGHT_OPTIONS", 0.0, Number),
     p("FENCE_ENABLE", 0.0, Number),
-    p("FENCE_TYPE", 7.0, Number),
-    p("FENCE_ACTION", 0.0, Number),
+    p("FENCE_TYPE", 4.0, Number),
+    p("FENCE_ACTION", 1.0, Number),
     p("FENCE_MARGIN", 2.0, M),
 ];
 

@@ -347,6 +347,12 @@ fn a_way_that_comes_to_the_fence_of_its_parameters_between_its_places_is_not_acc
             &plane,
             true,
         ),
+        (
+            &RETURN.replace("3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n", ""),
+            format!("{on}FENCE_TYPE,1\nFENCE_ALT_MAX,90\n"),
+            &plane,
+            true,
+        ),
     ] {
         let (code, said, _) = flown_from(mission, &params, flags);
         assert_eq!(code == Some(0), passes, "{params} {flags:?}: {said}");

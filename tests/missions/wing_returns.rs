@@ -1,4 +1,4 @@
-//! Returns of wings, against places that real ones flew.
+//! Returns of wings, and turns back, against places that real ones flew.
 
 use std::fs;
 
@@ -101,4 +101,45 @@ fn a_wing_returns_straight_from_its_turn_and_climbs_at_once() {
             "{place:?}: {low_m} to {high_m}"
         );
     }
+}
+
+/// It turned back only at its place, where the verdict in time has it turn halfway along its leg: another one
+/// that circles around that place was 1780 m away by that.
+#[test]
+fn wings_whose_turns_do_not_fit_are_not_passed_where_separation_is_judged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let back = [
+        "QGC WPL 110\n".to_owned(),
+        row(0, 16, [0.0; 4], [0.0, 0.0], HOME[2]),
+        row(1, 22, [10.0, 0.0, 0.0, 0.0], [0.0, 300.0], 60.0),
+        row(2, 16, [0.0; 4], [0.0, 1200.0], 80.0),
+        row(3, 16, [0.0; 4], [1500.0, 2700.0], 80.0),
+        row(4, 16, [0.0; 4], [0.0, 1200.0], 80.0),
+        row(5, 17, [0.0, 0.0, 100.0, 0.0], [-1500.0, 1200.0], 80.0),
+    ];
+    let circling = [
+        "QGC WPL 110\n".to_owned(),
+        row(0, 16, [0.0; 4], [1500.0, 1600.0], HOME[2]),
+        row(1, 22, [10.0, 0.0, 0.0, 0.0], [1500.0, 1900.0], 60.0),
+        row(2, 17, [0.0, 0.0, 100.0, 0.0], [1500.0, 2700.0], 80.0),
+    ];
+    let params =
+        "AIRSPEED_CRUISE,22\nAIRSPEED_MIN,10\nAIRSPEED_MAX,30\nROLL_LIMIT_DEG,45\nWP_RADIUS,60\n";
+    for (name, rows) in [("a", &back[..]), ("b", &circling[..])] {
+        let path = |ending: &str| folder.path().join(format!("{name}.{ending}"));
+        fs::write(path("waypoints"), rows.concat()).expect("written");
+        fs::write(path("params"), params).expect("written");
+    }
+    let always = ["review", "--no-terrain", "--airframe", "plane"];
+    let reviewed = |more: &[&str]| {
+        let output = sortie(folder.path(), &[&always[..], more].concat());
+        let said = text(&output.stdout) + &text(&output.stderr);
+        (output.status.code(), said)
+    };
+    let (code, said) = reviewed(&["a.waypoints", "b.waypoints", "--separation", "50"]);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(said.contains("FAIL a: turn fit"), "{said}");
+    // In space alone its turns are judged on the way that it flies.
+    let (code, said) = reviewed(&["a.waypoints"]);
+    assert_eq!(code, Some(0), "{said}");
 }

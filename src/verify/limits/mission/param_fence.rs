@@ -4,20 +4,23 @@
 use super::Contract;
 use crate::mission::{AcceptanceProblem, Item, ParamFence, command};
 use crate::verify::Moment;
+use crate::verify::measure::segment::Phase;
 
 impl Contract<'_> {
-    /// The first place at which the flight comes to the fence of the mission's parameters. On a
-    /// return a breach would change nothing.
+    /// The first place at which the flight comes to the fence of the mission's parameters. On a return, by
+    /// an item or at the end of a mission in the air, a breach would change nothing.
     pub(super) fn comes_to_param_fence(&self) -> Option<(AcceptanceProblem, Moment)> {
         let fence = ParamFence::of(self.mission).filter(|fence| fence.acts)?;
         let home = self.stations.home;
         let mut was_above = false;
         self.flight.chords.iter().find_map(|chord| {
             let item = self.mission.items.get(chord.row.checked_sub(1)?)?;
-            if item.command == command::NAV_RETURN_TO_LAUNCH {
+            let lands = is_takeoff_or_landing(item);
+            let is_end = chord.phase == Phase::Finish && !lands;
+            if is_end || item.command == command::NAV_RETURN_TO_LAUNCH {
                 return None;
             }
-            let is_low = was_above && !is_takeoff_or_landing(item);
+            let is_low = was_above && !lands;
             let ends = [(chord.from, 0.0), (chord.to, 1.0)];
             ends.into_iter().find_map(|(end, u)| {
                 let above_m = end.amsl.0 - home.amsl.0;
