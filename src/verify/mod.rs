@@ -184,7 +184,7 @@
 //! ends in the air, stays for ever.
 //!
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter or vtol of ArduPilot may be up to
-//! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 10 s early; two of one
+//! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 13.5 s early; two of one
 //! autopilot and airframe are so alike. A wing of
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each

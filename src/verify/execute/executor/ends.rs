@@ -245,13 +245,15 @@ impl Pilot<'_> {
         self.phase = Phase::Finish;
         if from.amsl_m < amsl.0 {
             // How fast it climbs is its own affair.
-            let level = PlanPoint {
-                at: home.at,
-                amsl: Amsl(from.amsl_m),
-            };
+            let turned = self.turned_towards(home.at)?;
             let t_s = self.trajectory.t_s;
-            let chord = Chord::unflown((row, self.phase), (t_s, t_s), (from.point(), level));
-            self.trajectory.chords.push(chord);
+            for at in std::iter::once(from.at).chain(turned) {
+                for amsl in [Amsl(from.amsl_m), amsl] {
+                    let ends = [at, home.at].map(|at| PlanPoint { at, amsl });
+                    let chord = Chord::unflown((row, self.phase), (t_s, t_s), (ends[0], ends[1]));
+                    self.trajectory.chords.push(chord);
+                }
+            }
         }
         self.circle(row, place, Height::Sea(amsl), radius_m)
     }
