@@ -67,7 +67,8 @@ pub(super) fn warn(spec: &MissionSpec, world: &World) {
     let mut texts: Vec<String> = fleet
         .flat_map(|(vehicle, of)| {
             let lean = lean_note(spec, vehicle, vehicle.speeds().most);
-            lean.into_iter().chain(vehicle.landing_note(of.landing_rad))
+            let airspeed = vehicle.airspeed_note();
+            (lean.into_iter().chain(airspeed)).chain(vehicle.landing_note(of.landing_rad))
         })
         .collect();
     texts.extend(verify::distant_from_area(spec, &[]));

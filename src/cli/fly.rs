@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use super::args;
 use super::folder::{self, missions, runs};
 use super::links;
-use super::print::console::{Paint, note, note_lines, out, out_json_text};
+use super::print::console::{Paint, note, note_lines, out, out_json_text, warn_of_parked};
 use super::print::failure::Failure;
 use super::print::flight::report;
 use super::print::table;
@@ -150,7 +150,9 @@ pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
     if let Err(FlightError::Rejected(review)) = &plan {
         note_lines(&table::failures(review, Paint::for_stdout()));
     }
-    Ok(plan?)
+    let plan = plan?;
+    warn_of_parked(&plan.review);
+    Ok(plan)
 }
 
 /// When a plan may be launched whose zones have times: at `t0` of its spec, and no later than

@@ -13,7 +13,7 @@ use super::args;
 use super::check;
 use super::folder;
 use super::folder::runs;
-use super::print::console::{Paint, note, out, out_json, out_lines};
+use super::print::console::{Paint, note, out, out_json, out_lines, warn_of_parked};
 use super::print::failure::Failure;
 use super::print::progress::Progress;
 use super::print::table;
@@ -258,6 +258,7 @@ fn print_result(
         delivery.print_failures()?;
         delivery.warn();
     }
+    warn_of_parked(review);
     for line in given_way(file, dispatched) {
         out(&paint.dim(&format!("note: {line}")))?;
     }

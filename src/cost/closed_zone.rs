@@ -4,7 +4,7 @@ use super::piece::{FORBIDDEN, Piece, plane};
 use super::relief::Relief;
 use super::{Margins, RouteEnds};
 use crate::geodesy::{Agl, Amsl, PlanPoint};
-use crate::numeric::geometry::{Offset, Point, Ring};
+use crate::numeric::geometry::{Offset, Point};
 use crate::spec::Placement;
 use crate::world::{PlanZone, World};
 
@@ -32,19 +32,7 @@ impl ClosedZone {
         (world, route): (&World, &RouteEnds),
         margins: &Margins,
     ) -> Self {
-        let ring = Ring::around(&zone.outline);
-        let ends = [plane(route.from), plane(route.to)];
-        let room_m = ends
-            .iter()
-            .map(|end| ring.boundary_distance(*end))
-            .fold(f64::INFINITY, f64::min);
-        let wider_m = |room_m: f64| margins.threat_m.min(room_m).max(0.0);
-        let outline = if zone.buffer_m > 0.0 {
-            Offset::new(ring, zone.buffer_m + wider_m(room_m - zone.buffer_m))
-        } else {
-            // A mitred corner reaches up to twice the margin.
-            Offset::new(ring.outset(wider_m(0.5 * room_m)), 0.0)
-        };
+        let outline = zone.away_from([plane(route.from), plane(route.to)], margins.threat_m);
         let under_m = |end: PlanPoint| {
             let (floor_m, _) = zone.closed_m(world.ground.height_m(end.at));
             match zone.contains(end.at) {
@@ -53,7 +41,8 @@ impl ClosedZone {
             }
         };
         let under_m = under_m(route.from).min(under_m(route.to));
-        let lower_m = margins.clearance_m.min(under_m);
+        let above = Agl(world.min_agl.0 + margins.clearance_m);
+        let lower_m = (zone.margin_under_m(margins.clearance_m, above)).min(under_m);
         let higher_m = zone.margin_over_m(margins.clearance_m, world.max_amsl);
         Self {
             outline,

@@ -141,6 +141,7 @@ impl<'a> RouteContext<'a> {
                 1.0 - climb_fraction - TOLERANCE,
             ),
         )
+        .with_margin(&self.ends, self.margins.threat_m)
     }
 
     /// The smaller of the vehicle's slope limits, at its higher end.

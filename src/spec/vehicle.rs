@@ -257,6 +257,32 @@ impl Vehicle {
         })
     }
 
+    /// A warning where a wing is to fly slower or faster than the default parameters of its autopilot
+    /// let it: it then keeps to those.
+    #[must_use]
+    pub fn airspeed_note(&self) -> Option<String> {
+        self.wing.as_ref()?;
+        let facts = self.facts();
+        let default = |name: Option<&'static str>| facts.parameter(name?);
+        let [least, most] = facts.defaults.speed_parameters.map(default);
+        let speeds = self.speeds();
+        let slow = least.filter(|row| speeds.least < row.default_si());
+        let fast = most.filter(|row| speeds.most > row.default_si());
+        let (row, planned_mps, than) = match (slow, fast) {
+            (Some(row), _) => (row, speeds.least, "slower"),
+            (None, Some(row)) => (row, speeds.most, "faster"),
+            (None, None) => return None,
+        };
+        Some(format!(
+            "{}: {planned_mps} m/s is planned, and {} flies no {than} than {}, by default {} m/s: set that, if the aircraft \
+             can fly so",
+            self.id,
+            self.autopilot.name(),
+            row.name,
+            row.default_si()
+        ))
+    }
+
     /// Greatest speed over the ground, m/s: the planned one, on a wing that at the ceiling of
     /// the area, and the wind's.
     #[must_use]

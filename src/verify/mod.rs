@@ -219,6 +219,7 @@ mod verified;
 pub use judge::{Executed, Judge};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use limits::distant::{distant_from_area, distant_from_home};
+pub use limits::parked::landings_on_parked;
 pub use review::{Reviewer, review};
 pub use verified::{VerifiedSegment, VerifiedTrajectory, verified_trajectories};
 

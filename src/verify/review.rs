@@ -17,6 +17,7 @@ use super::execute::flight::Flight;
 use super::execute::home;
 use super::limits::fence::Fence;
 use super::limits::mission::{Contract, coverage, tasks};
+use super::limits::parked::landings_on_parked;
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::segment::Chord;
@@ -115,10 +116,13 @@ impl<'a> Reviewer<'a> {
                 _ => margin.limit.buffer_of(&spec.buffers, margin.unit),
             };
         }
+        let tracks: Vec<Track> = sorties.iter().map(|sortie| sortie.track(world)).collect();
+        let mut assumptions = assumed::of_sorties(spec, world, &sorties);
+        assumptions.extend(landings_on_parked(&tracks));
         let review = Review {
             margins,
-            tracks: sorties.iter().map(|sortie| sortie.track(world)).collect(),
-            assumptions: assumed::of_sorties(spec, world, &sorties),
+            tracks,
+            assumptions,
         };
         let known = sorties.into_iter().zip(own).zip(ends);
         self.known = known

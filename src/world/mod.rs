@@ -184,7 +184,7 @@ impl World {
         };
         Self {
             threats: spec.threats.iter().map(disc).collect(),
-            zones: spec.no_fly.iter().map(closed).collect(),
+            zones: PlanZone::among_each_other(spec.no_fly.iter().map(closed).collect()),
             // A start that satisfies the buffer proves that an area is left.
             area: inset(frame.outline(&spec.area.outline()), buffers.area_m),
             min_agl: Agl(spec.area.min_agl.0 + buffers.terrain_m),

@@ -1,6 +1,6 @@
 //! Zones in planning coordinates.
 
-use geo::{BoundingRect, Contains, Point, Polygon, Rect};
+use geo::{BoundingRect, Contains, Intersects, Point, Polygon, Rect};
 
 use super::{Terrain, covers};
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
@@ -23,7 +23,21 @@ pub struct PlanZone {
     /// Whether it has no holes: then every edge of the outline is one of the zone.
     pub is_whole: bool,
     bounds: Option<Rect<f64>>,
+    open: OpenSpace,
 }
+
+/// Height of what is open between a zone and the zones under and over it, metres; infinite where
+/// there are none, or none whose distance is the same everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OpenSpace {
+    under_m: f64,
+    over_m: f64,
+}
+
+/// Share of an open space that the margin to either side of it takes at most.
+const MOST_OF_SPACE: f64 = 0.4;
+/// Lower spaces are none: what parts of a threat with a shape have between them.
+const LEAST_SPACE_M: f64 = 0.5;
 
 impl PlanZone {
     /// The zone of an outline with the heights and times of a zone of the spec, `slack_s`
@@ -59,7 +73,43 @@ impl PlanZone {
             active_s: None,
             buffer_m: 0.0,
             is_whole: true,
+            open: OpenSpace {
+                under_m: f64::INFINITY,
+                over_m: f64::INFINITY,
+            },
         }
+    }
+
+    /// Zones that know what is open between them and those under and over them. Paths of specs
+    /// without buffers stay as they are.
+    pub(super) fn among_each_other(mut zones: Vec<Self>) -> Vec<Self> {
+        let floors: Vec<Self> = (zones.iter().filter(|zone| zone.floor.is_some()))
+            .cloned()
+            .collect();
+        for zone in zones.iter_mut().filter(|zone| zone.buffer_m > 0.0) {
+            let over = floors.iter().filter_map(|floor| floor.height_over_m(zone));
+            zone.open.over_m = over.fold(f64::INFINITY, f64::min);
+        }
+        let lids: Vec<Self> = (zones.iter().filter(|zone| zone.ceiling.is_some()))
+            .cloned()
+            .collect();
+        for zone in zones.iter_mut().filter(|zone| zone.buffer_m > 0.0) {
+            let under = lids.iter().filter_map(|lid| zone.height_over_m(lid));
+            zone.open.under_m = under.fold(f64::INFINITY, f64::min);
+        }
+        zones
+    }
+
+    /// How much higher its floor is than the ceiling of another zone, where one may be over the other
+    /// and it is higher by the same everywhere.
+    fn height_over_m(&self, lower: &Self) -> Option<f64> {
+        let is_over = self.bounds?.intersects(&lower.bounds?);
+        let height_m = match (self.floor?, lower.ceiling?) {
+            (Placement::Amsl(floor), Placement::Amsl(ceiling)) => floor.0 - ceiling.0,
+            (Placement::Agl(floor), Placement::Agl(ceiling)) => floor.0 - ceiling.0,
+            _ => return None,
+        };
+        (is_over && height_m > LEAST_SPACE_M).then_some(height_m)
     }
 
     /// The same zone, closed within a distance of it as well, and by as much more above and below
@@ -116,6 +166,21 @@ impl PlanZone {
         Offset::new(Ring::around(&self.outline), self.buffer_m + by_m)
     }
 
+    /// What a route stays out of that keeps a margin more away from the zone: less, where one of the
+    /// `ends` is nearer than that.
+    pub(crate) fn away_from(&self, ends: [[f64; 2]; 2], margin_m: f64) -> Offset {
+        let ring = Ring::around(&self.outline);
+        let room_m =
+            (ends.iter().map(|end| ring.boundary_distance(*end))).fold(f64::INFINITY, f64::min);
+        let wider_m = |room_m: f64| margin_m.min(room_m).max(0.0);
+        if self.buffer_m > 0.0 {
+            Offset::new(ring, self.buffer_m + wider_m(room_m - self.buffer_m))
+        } else {
+            // A mitred corner reaches up to twice the margin.
+            Offset::new(ring.outset(wider_m(0.5 * room_m)), 0.0)
+        }
+    }
+
     /// Whether a point of the plane lies in the box around the outline.
     #[must_use]
     pub fn is_near(&self, at: EastNorth) -> bool {
@@ -148,8 +213,10 @@ impl PlanZone {
     }
 
     /// What a path over the zone can keep of a distance above it, metres: at most half of what is
-    /// left below `max_amsl`, so that as much is left above the path.
+    /// left below `max_amsl`, so that as much is left above the path, and less of what is left
+    /// below another zone.
     pub(crate) fn margin_over_m(&self, over_m: f64, max_amsl: Amsl) -> f64 {
+        let over_m = over_m.min(MOST_OF_SPACE * self.open.over_m);
         match self.ceiling {
             Some(Placement::Amsl(top)) if top <= max_amsl => {
                 let left_m = max_amsl.0 - top.0;
@@ -157,6 +224,17 @@ impl PlanZone {
             }
             _ => over_m,
         }
+    }
+
+    /// What a path under the zone can keep of a distance below it, metres, where it is to stay
+    /// `above` the ground.
+    pub(crate) fn margin_under_m(&self, under_m: f64, above: Agl) -> f64 {
+        let over_ground_m = match self.floor {
+            Some(Placement::Agl(floor)) if self.buffer_m > 0.0 => floor.0 - above.0,
+            _ => f64::INFINITY,
+        };
+        let left_m = over_ground_m.min(MOST_OF_SPACE * self.open.under_m);
+        under_m.min(left_m.max(0.0))
     }
 
     /// The altitudes from which and below which it is closed over ground of a height, metres;
@@ -230,5 +308,24 @@ mod tests {
         let closed = |t_s| zone.is_closed_at(at, 0.0, t_s);
         assert!(closed(10.0) && closed(20.0) && closed(f64::NAN));
         assert!(!closed(9.9) && !closed(20.1));
+    }
+
+    #[test]
+    fn margins_leave_a_way_between_a_zone_and_what_is_under_and_over_it() {
+        let agl = |height_m| Some(Placement::Agl(Agl(height_m)));
+        let (mut reserve, mut control) = (square(10.0), square(10.0));
+        (reserve.ceiling, control.floor) = (agl(55.0), agl(91.0));
+        let (reserve, control) = (reserve.buffered(15.0), control.buffered(15.0));
+        let zones = PlanZone::among_each_other(vec![reserve, control]);
+        let over_m = zones[0].margin_over_m(5.0, Amsl(900.0));
+        let under_m = zones[1].margin_under_m(5.0, Agl(40.0));
+        assert!(over_m + under_m < 6.0 && over_m > 1.0 && under_m > 1.0);
+        // What reaches to two metres below it from the ground leaves two.
+        assert!((zones[1].margin_under_m(5.0, Agl(74.0)) - 2.0).abs() < 1e-9);
+        // Altitudes above the sea and above the ground are not compared.
+        let mut control = square(10.0);
+        control.floor = Some(Placement::Amsl(Amsl(91.0)));
+        let zones = PlanZone::among_each_other(vec![zones[0].clone(), control]);
+        assert!((zones[0].margin_over_m(5.0, Amsl(900.0)) - 5.0).abs() < 1e-9);
     }
 }

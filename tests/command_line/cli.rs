@@ -672,3 +672,50 @@ fn review_writes_the_trajectories_that_it_judges() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("the name of a document ends in .json"));
 }
+
+#[test]
+fn a_landing_where_another_vehicle_stands_is_warned_of() {
+    let other = "  - id: bravo
+    sysid: 2
+    autopilot: px4
+    link: sim
+    start: {lat: 36.31, lon: -84.265, agl_m: 80}
+    goal: {lat: 36.30, lon: -84.235, agl_m: 80}
+    depart_s: 600
+    finish: land
+    speed_mps: 12
+    max_climb_deg: 15
+    max_descent_deg: 10
+";
+    let spec = SPEC.replace("separation:", &format!("{other}separation:"));
+    let folder = folder_with(&spec);
+    let output = sortie(folder.path(), &["plan", "hop.yaml"]);
+    let said = text(&output.stdout) + &text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(
+        said.contains("warning: bravo lands 0.0 m from where alpha stands from T0+"),
+        "{said}"
+    );
+    let review = fs::read_to_string(folder.path().join("out/hop/review.html")).expect("a page");
+    assert!(review.contains("bravo lands 0.0 m from where alpha stands"));
+}
+
+#[test]
+fn an_airspeed_outside_of_the_default_limits_of_an_autopilot_is_warned_of() {
+    let plane = fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/missions/vtol-ardupilot.yaml"
+    ))
+    .expect("a mission");
+    let terrain = concat!(env!("CARGO_MANIFEST_DIR"), "/missions/terrain");
+    let folder = folder_with(&plane.replace("speed_mps: 18", "speed_mps: 8"));
+    std::os::unix::fs::symlink(terrain, folder.path().join("terrain")).expect("a link");
+    let output = sortie(folder.path(), &["check", "hop.yaml"]);
+    let said = text(&output.stderr);
+    assert!(
+        said.contains(
+            "8 m/s is planned, and ArduPilot flies no slower than AIRSPEED_MIN, by default 9 m/s"
+        ),
+        "{said}"
+    );
+}

@@ -70,3 +70,13 @@ fn a_zone_is_flown_around_where_the_climb_over_it_costs_more() {
     let cost = passing_cost_with("lid-beside.yaml", 10_000, 1);
     assert!(cost < 5.3, "{cost}");
 }
+
+/// A reserve up to 70 m above the ground and a control zone from 76 m, buffers included: a layer that
+/// has no space for the margins of a search on both sides. The way through it is 4.72 km at least.
+#[test]
+fn a_layer_between_two_zones_is_flown_whatever_the_budget() {
+    for evaluations in [500, 2000] {
+        let cost = passing_cost_with("between-zones.yaml", evaluations, 1);
+        assert!(cost < 1.02 * 4.725, "{evaluations}: {cost}");
+    }
+}

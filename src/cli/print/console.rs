@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::failure::Failure;
 use crate::numeric::text;
 use crate::report::json_text;
+use crate::verify::{Review, landings_on_parked};
 
 /// Prints one line of a result.
 pub(crate) fn out(line: &str) -> Result<(), Failure> {
@@ -54,6 +55,13 @@ pub(crate) fn out_json_text(text: &str) -> Result<(), Failure> {
 /// Prints one line that is no result.
 pub(crate) fn note(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", shown(line));
+}
+
+/// Prints which vehicles of a review land where another one stands.
+pub(crate) fn warn_of_parked(review: &Review) {
+    for text in landings_on_parked(&review.tracks) {
+        note(&format!("warning: {text}"));
+    }
 }
 
 /// Prints lines that are no result.

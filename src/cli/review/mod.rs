@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::args;
 use super::folder::missions::assign;
 use super::folder::{self, replace};
-use super::print::console::{Paint, note, out, out_json, out_lines};
+use super::print::console::{Paint, note, out, out_json, out_lines, warn_of_parked};
 use super::print::failure::Failure;
 use super::print::table;
 use super::print::table::Rows;
@@ -303,6 +303,7 @@ fn deliver(
     has_spec: bool,
 ) -> Result<(), Failure> {
     let review = input.review;
+    warn_of_parked(review);
     if let Some(target) = &arguments.html {
         replace::write_file(target, report::review_html(input).as_bytes())?;
     }

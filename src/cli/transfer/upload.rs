@@ -7,7 +7,9 @@ use super::delivery::Delivery;
 use crate::cli::args;
 use crate::cli::folder::{self, missions, runs};
 use crate::cli::links::{self, link_of};
-use crate::cli::print::console::{Paint, note, note_lines, out, out_json, out_lines};
+use crate::cli::print::console::{
+    Paint, note, note_lines, out, out_json, out_lines, warn_of_parked,
+};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::overview::Overview;
 use crate::cli::print::progress::Progress;
@@ -40,6 +42,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     for text in verify::distant_from_area(&file.spec, &judged) {
         note(&format!("warning: {text}"));
     }
+    warn_of_parked(&review);
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {

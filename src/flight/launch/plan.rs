@@ -34,7 +34,7 @@ pub struct FlightPlan {
     pub world: World,
     /// The missions, each with the index of its vehicle in the spec.
     pub missions: Vec<(usize, VehicleMission)>,
-    review: Review,
+    pub(crate) review: Review,
 }
 
 impl FlightPlan {

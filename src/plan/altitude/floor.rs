@@ -4,8 +4,8 @@
 use fearless_simd::{Level, dispatch};
 
 use super::Demand;
-use crate::cost::Relief;
-use crate::geodesy::{Amsl, EastNorth};
+use crate::cost::{Relief, RouteEnds};
+use crate::geodesy::{Agl, Amsl, EastNorth};
 use crate::numeric::geometry::Offset;
 use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
@@ -84,7 +84,8 @@ impl<'a> FloorMaker<'a> {
             .zones
             .iter()
             .filter_map(|zone| {
-                let under_m = over_m;
+                let above = Agl(world.min_agl.0 + over_m);
+                let under_m = zone.margin_under_m(over_m, above);
                 let over_m = over_m.min(AIM * zone.margin_over_m(over_m, world.max_amsl));
                 let has_room = match (zone.floor, zone.ceiling) {
                     (None, None) => false,
@@ -109,6 +110,16 @@ impl<'a> FloorMaker<'a> {
             slopes,
             level: Level::new(),
         }
+    }
+
+    /// The same where zones that have a buffer begin `margin_m` before it, as they do in the objective of
+    /// a route; paths of specs without buffers stay as they are.
+    pub(crate) fn with_margin(mut self, ends: &RouteEnds, margin_m: f64) -> Self {
+        let ends = [ends.from.at, ends.to.at].map(|at| [at.east_m, at.north_m]);
+        for low in self.zones.iter_mut().filter(|low| low.zone.buffer_m > 0.0) {
+            low.closed = low.zone.away_from(ends, margin_m);
+        }
+        self
     }
 
     /// The demand on the altitude over a track; also fills the horizontal lengths of its

@@ -7,6 +7,7 @@ mod endurance;
 pub(super) mod fence;
 mod lean;
 pub(super) mod mission;
+pub(super) mod parked;
 pub(super) mod rally;
 pub(super) mod separation;
 pub(super) mod space;
