@@ -26,7 +26,7 @@ lies below it: every cell between samples was halved until the greatest slope or
 it proved that it holds nothing lower than found - 1 cm (of a separation, 0.1 per mille more).
 Both sides also get what the two models of the earth differ in: a straight line of the
 verdict's plane and a chord through the earth are centimetres apart, and so are their lengths;
-the chord by which the verdict's circles are inside of true ones; and, where a wing of ArduPilot swings, what it
+and, where a wing of ArduPilot swings, what it
 flies in 0.1 s: both sides integrate the L1 law in steps of 0.05 s, this one by the midpoint, and may begin and
 end a turn a step apart; a step more for each leg in a row that is too short to end the turn before.
 Spec files are read as JSON, which is YAML.
@@ -154,8 +154,9 @@ class Comparison:
             found, error = to_threat(flight, self.threats[what])
             # A plane that touches the earth at the axis makes a distance r short by r (r / R)^2 / 6, a chord by 1/24.
             away = found + self.threats[what]["radius_m"]
-            return Finding("threat", *named, value, found, error, CHORD_M + away * (away / A) ** 2 / 7,
-                           beside + flight.chords + flight.loose, margin["limit"], self.buffer("threats"))
+            # Chords of an arc are up to CHORD_M within it, and judged as far nearer again.
+            return Finding("threat", *named, value, found, error, 2 * CHORD_M + away * (away / A) ** 2 / 7,
+                           beside + flight.loose, margin["limit"], self.buffer("threats"))
         return self.apart(margin, value) if what == "separation" else None
 
     def apart(self, margin, value):

@@ -89,6 +89,7 @@ const MEASURED_MORE_S: [(f64, f64); 12] = [
 pub struct Cornering {
     law: CornerLaw,
     accel_mps2: f64,
+    jerk_mps3: f64,
     /// The greatest acceleration in the middle of a corner, m/s^2.
     corner_mps2: f64,
 }
@@ -119,6 +120,7 @@ impl Cornering {
         Self {
             law,
             accel_mps2,
+            jerk_mps3: JERK_MPS3,
             corner_mps2: f64::INFINITY,
         }
     }
@@ -132,6 +134,12 @@ impl Cornering {
         }
     }
 
+    /// The same with another jerk (`WPNAV_JERK`), m/s^3.
+    #[must_use]
+    pub fn with_jerk(self, jerk_mps3: f64) -> Self {
+        Self { jerk_mps3, ..self }
+    }
+
     /// The highest speed on a leg of a length, m/s: the profile of `ArduCopter` must find place on it
     /// from rest to rest.
     #[must_use]
@@ -141,10 +149,10 @@ impl Cornering {
         }
         let least_m = self.bend_mps() * self.ramp_s(self.bend_mps());
         let most_mps = if length_m < least_m {
-            (0.25 * JERK_MPS3 * length_m * length_m).cbrt()
+            (0.25 * self.jerk_mps3 * length_m * length_m).cbrt()
         } else {
             // v (v / a + a / j) = length
-            let half = 0.5 * self.accel_mps2 * self.accel_mps2 / JERK_MPS3;
+            let half = 0.5 * self.accel_mps2 * self.accel_mps2 / self.jerk_mps3;
             (half * half + self.accel_mps2 * length_m).sqrt() - half
         };
         speed_mps.min(most_mps)
@@ -217,31 +225,31 @@ impl Cornering {
 
     /// Speed at which the acceleration just reaches its limit, m/s.
     fn bend_mps(&self) -> f64 {
-        self.accel_mps2 * self.accel_mps2 / JERK_MPS3
+        self.accel_mps2 * self.accel_mps2 / self.jerk_mps3
     }
 
     /// From rest to a speed, seconds.
     fn ramp_s(&self, speed_mps: f64) -> f64 {
         if speed_mps >= self.bend_mps() {
-            speed_mps / self.accel_mps2 + self.accel_mps2 / JERK_MPS3
+            speed_mps / self.accel_mps2 + self.accel_mps2 / self.jerk_mps3
         } else {
-            2.0 * (speed_mps / JERK_MPS3).sqrt()
+            2.0 * (speed_mps / self.jerk_mps3).sqrt()
         }
     }
 
     /// How far a leg has come after a time, up to half of its ramp, metres.
     fn distance_m(&self, time_s: f64) -> f64 {
-        let bend_s = self.accel_mps2 / JERK_MPS3;
+        let bend_s = self.accel_mps2 / self.jerk_mps3;
         let jerked_s = time_s.min(bend_s);
         let more_s = time_s - jerked_s;
-        JERK_MPS3 * jerked_s.powi(3) / 6.0
-            + more_s * (0.5 * JERK_MPS3 * jerked_s * jerked_s + 0.5 * self.accel_mps2 * more_s)
+        self.jerk_mps3 * jerked_s.powi(3) / 6.0
+            + more_s * (0.5 * self.jerk_mps3 * jerked_s * jerked_s + 0.5 * self.accel_mps2 * more_s)
     }
 
     /// Its speed then, m/s.
     fn speed_mps(&self, time_s: f64) -> f64 {
-        let jerked_s = time_s.min(self.accel_mps2 / JERK_MPS3);
-        0.5 * JERK_MPS3 * jerked_s * jerked_s + self.accel_mps2 * (time_s - jerked_s)
+        let jerked_s = time_s.min(self.accel_mps2 / self.jerk_mps3);
+        0.5 * self.jerk_mps3 * jerked_s * jerked_s + self.accel_mps2 * (time_s - jerked_s)
     }
 
     /// Half of the time for which two legs overlap, seconds.
@@ -252,7 +260,7 @@ impl Cornering {
         }
         let by_radius_s = self.overlap_by_radius_s(turn);
         // The two legs accelerate across each other: `2 j t sin h` in the middle.
-        let by_accel_s = self.corner_mps2 / (2.0 * JERK_MPS3 * turn.half_rad().sin());
+        let by_accel_s = self.corner_mps2 / (2.0 * self.jerk_mps3 * turn.half_rad().sin());
         if self.is_limited(turn) {
             by_radius_s.min(by_accel_s)
         } else {
@@ -262,7 +270,9 @@ impl Cornering {
 
     /// Whether the two ramps together accelerate more in a corner than it may.
     fn is_limited(&self, turn: &Turn) -> bool {
-        let ramp_mps2 = self.accel_mps2.min((JERK_MPS3 * turn.speed_mps).sqrt());
+        let ramp_mps2 = self
+            .accel_mps2
+            .min((self.jerk_mps3 * turn.speed_mps).sqrt());
         2.0 * ramp_mps2 * turn.half_rad().sin() >= self.corner_mps2
     }
 
@@ -273,10 +283,10 @@ impl Cornering {
             return full_s;
         }
         let before_m = turn.radius_m / (2.0 * turn.half_rad().sin());
-        let bend_s = self.accel_mps2 / JERK_MPS3;
-        let bend_m = JERK_MPS3 * bend_s.powi(3) / 6.0;
+        let bend_s = self.accel_mps2 / self.jerk_mps3;
+        let bend_m = self.jerk_mps3 * bend_s.powi(3) / 6.0;
         if before_m <= bend_m {
-            (6.0 * before_m / JERK_MPS3).cbrt()
+            (6.0 * before_m / self.jerk_mps3).cbrt()
         } else {
             let bend_mps = 0.5 * self.bend_mps();
             let root = (bend_mps * bend_mps + 2.0 * self.accel_mps2 * (before_m - bend_m)).sqrt();

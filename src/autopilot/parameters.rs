@@ -113,6 +113,9 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     // 0: twice WPNAV_ACCEL.
     until_4_7(p("WPNAV_ACCEL_C", 0.0, CmPs2)),
     since_4_7(p("WP_ACC_CNR", 0.0, Mps2)),
+    // m/s^3.
+    until_4_7(p("WPNAV_JERK", 1.0, Number)),
+    since_4_7(p("WP_JERK", 1.0, Number)),
     until_4_7(p("WPNAV_ACCEL_Z", 100.0, CmPs2)),
     since_4_7(p("WP_ACC_Z", 1.0, Mps2)),
     until_4_7(p("WPNAV_SPEED_UP", 250.0, CmPs)),
@@ -150,6 +153,7 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 1.0, Number),
     p("FENCE_ALT_MAX", 100.0, M),
+    p("FENCE_ALT_MIN", -10.0, M),
     p("FENCE_RADIUS", 300.0, M),
     p("FENCE_MARGIN", 2.0, M),
     until_4_7(p(COPTER_LEAN[1], 3000.0, CDeg)),
@@ -190,8 +194,8 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     p("WP_MAX_RADIUS", 0.0, M),
     p("FLIGHT_OPTIONS", 0.0, Number),
     p("FENCE_ENABLE", 0.0, Number),
-    p("FENCE_TYPE", 7.0, Number),
-    p("FENCE_ACTION", 0.0, Number),
+    p("FENCE_TYPE", 4.0, Number),
+    p("FENCE_ACTION", 1.0, Number),
     p("FENCE_MARGIN", 2.0, M),
 ];
 
@@ -299,6 +303,7 @@ const RENAMED: &[[&str; 2]] = &[
     ["WP_SPD_DN", "WPNAV_SPEED_DN"],
     ["WP_ACC", "WPNAV_ACCEL"],
     ["WP_ACC_CNR", "WPNAV_ACCEL_C"],
+    ["WP_JERK", "WPNAV_JERK"],
     ["WP_ACC_Z", "WPNAV_ACCEL_Z"],
     ["WP_RADIUS_M", "WPNAV_RADIUS"],
     ["CIRCLE_RADIUS_M", "CIRCLE_RADIUS"],
@@ -349,7 +354,7 @@ pub fn name_in(name: &'static str, version: Option<Version>) -> &'static str {
     }
 }
 
-/// A fence that is no list of items: a ceiling and a circle around home, by parameters.
+/// A fence that is no list of items: a ceiling, a floor and a circle around home, by parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct ParamFence {
     /// Parameters that switch it on, each by itself; empty: it is on.
@@ -362,6 +367,8 @@ pub struct ParamFence {
     pub ceiling: (u8, &'static str),
     /// Bit of the circle, and the parameter of its radius.
     pub circle: (u8, &'static str),
+    /// Bit of the floor, and the parameter of its height above home, if there is one.
+    pub floor: Option<(u8, &'static str)>,
 }
 
 /// `AC_Fence`.
@@ -371,6 +378,7 @@ pub(super) const ARDUCOPTER_FENCE: ParamFence = ParamFence {
     kinds: Some(("FENCE_TYPE", 7)),
     ceiling: (1, "FENCE_ALT_MAX"),
     circle: (2, "FENCE_RADIUS"),
+    floor: Some((8, "FENCE_ALT_MIN")),
 };
 pub(super) const ARDUPLANE_FENCE: ParamFence = ParamFence {
     kinds: Some(("FENCE_TYPE", 4)),
@@ -383,6 +391,7 @@ pub(super) const PX4_FENCE: ParamFence = ParamFence {
     kinds: None,
     ceiling: (1, "GF_MAX_VER_DIST"),
     circle: (2, "GF_MAX_HOR_DIST"),
+    floor: None,
 };
 
 /// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that

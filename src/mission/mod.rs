@@ -20,5 +20,5 @@ pub(crate) use item::value_si_of;
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use params::{
     acceptance_m, as_set, corner_accel_mps2, corner_cut_m, cruise_speed_mps, is_lean_limit,
-    lean_limit_deg, parameters, placing_mps, turn_radius_m, within_speeds_mps,
+    jerk_mps3, lean_limit_deg, parameters, placing_mps, turn_radius_m, within_speeds_mps,
 };

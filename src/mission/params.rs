@@ -140,6 +140,14 @@ pub fn corner_accel_mps2(accel_mps2: f64, mission: Option<&VehicleMission>) -> f
     held.filter(|held| *held > 0.0).unwrap_or(2.0 * accel_mps2)
 }
 
+/// How fast `ArduCopter` changes its acceleration, m/s^3: `WPNAV_JERK`.
+#[must_use]
+pub fn jerk_mps3(mission: &VehicleMission) -> f64 {
+    let name = "WPNAV_JERK";
+    let held = mission.param_si(name).filter(|held| *held > 0.0);
+    held.unwrap_or_else(|| parameter(name).map_or(1.0, ParameterRow::default_si))
+}
+
 /// The parameter of `ArduCopter` that has how fast it comes down to place a load.
 const PLACING: &str = "PLDP_SPEED_DN";
 

@@ -59,7 +59,7 @@
 //! - PX4 (by its sources): an arc takes `r` of each leg, `T` after scaling, at the speed
 //!   `sqrt(0.5 a T / tan h)`, at most `v`.
 //! - ArduCopter gives each leg a profile from rest to rest with the acceleration `a` and the
-//!   jerk `j = 1 m/s^3`. A ramp to `v` lasts `p(v) = v / a + a / j`, or `2 sqrt(v / j)` where `v < a^2 / j`. After
+//!   jerk `j` (`WPNAV_JERK` of the parameters, else 1 m/s^3). A ramp to `v` lasts `p(v) = v / a + a / j`, or `2 sqrt(v / j)` where `v < a^2 / j`. After
 //!   a time `t` up to half of it the vehicle has come `d(t) = j t^3 / 6`, from `b = a / j` on
 //!   `j b^3 / 6 + (t - b) (j b^2 / 2 + a (t - b) / 2)`. A leg between stops that has a corner is flown no
 //!   faster than the `v` with `v p(v)` its length.
@@ -127,8 +127,9 @@
 //!
 //! **What an autopilot takes from where it is.** To ArduCopter an altitude of 0 is the altitude before, and latitude
 //! and longitude 0 the place before (`ModeAuto::loc_from_cmd`). `NAV_LOITER_TO_ALT` is a stop at its place and
-//! altitude. A PX4 copter whose mission has no takeoff first climbs over its home, to the altitude of the first item
-//! and 2.5 m at least.
+//! altitude. To the place of a landing or payload it flies at the altitude that it has: above the ground
+//! where the item is in a frame above terrain (`ModeAuto::shift_alt_to_current_alt`), else above the sea.
+//! A PX4 copter whose mission has no takeoff first climbs over its home, to the altitude of the first item.
 //!
 //! **Air.** On a wing commanded speeds are indicated airspeeds. At an altitude `z` its speed through
 //! the air `a` is greater by `(1 - 2.25577e-5 z)^-2.12794` (the standard atmosphere): on a leg at that
@@ -168,9 +169,9 @@
 //! it flies straight to the rim.
 //!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
-//! row, by 1 m at least on ArduCopter and by 2.5 m on a PX4 copter; in the air it is a climb of ArduCopter where it is,
+//! row, by 1 m at least on ArduCopter and by `MIS_TAKEOFF_ALT` on the rotors of PX4 (2.5 m); in the air it is a climb of ArduCopter where it is,
 //! if it leads up, and is not judged elsewhere. PX4 then goes on to the item's place where that is more than `tolerance_m` away,
-//! and rests. A landing flies to its place at the altitude that the vehicle has, rests,
+//! and rests. A landing flies to its place at the altitude that the vehicle has, as above, rests,
 //! and descends with `descent_mps`, from 10 m above the ground on with no more than 0.5
 //! m/s (ArduPilot) or 0.7 m/s (PX4). A return climbs to `return_amsl_m` unless it is
 //! above, flies straight to home, and lands. Without `return_amsl_m` it returns by the parameters of the mission, if they
@@ -183,7 +184,7 @@
 //! ends in the air, stays for ever.
 //!
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter or vtol of ArduPilot may be up to
-//! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 10 s early; two of one
+//! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 13.5 s early; two of one
 //! autopilot and airframe are so alike. A wing of
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
@@ -204,7 +205,8 @@
 //! `u`, both in the air, for every `u - t` between `-time_slack_s` and `time_slack_s`, each
 //! widened by what the two may be late or early against each other. Curved and accelerated
 //! motion is judged in chords within 0.02 m, ground that is followed within 0.1 m:
-//! clearance over arcs and separation come out short by that, never long.
+//! clearance over arcs and separation come out short by that, distances from arcs to threats, zones and edges by
+//! up to twice as much, never long.
 
 mod execute;
 mod judge;

@@ -14,4 +14,5 @@ mod long_flight;
 mod mission_accept;
 mod mission_build;
 mod params_without_spec;
+mod wing_returns;
 mod without_spec;

@@ -266,6 +266,100 @@ fn a_mission_beyond_the_fence_of_its_parameters_is_not_accepted() {
     }
 }
 
+/// What `ArduCopter` 4.7 flew: at the height of its ceiling, below its floor and on a circle beyond its radius
+/// it left the mission.
+#[test]
+fn a_way_that_comes_to_the_fence_of_its_parameters_between_its_places_is_not_accepted() {
+    let land = |items: &str| {
+        let takeoff = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n";
+        format!("{takeoff}{items}4\t0\t3\t21\t0\t0\t0\t0\t46.005\t8.0\t0\t1\n")
+    };
+    let low = land(
+        "2\t0\t3\t16\t0\t0\t0\t0\t46.003\t8.0\t50\t1\n3\t0\t3\t16\t0\t0\t0\t0\t46.005\t8.0\t20\t1\n",
+    );
+    let circle = land(
+        "2\t0\t3\t16\t0\t0\t0\t0\t46.003\t8.0\t50\t1\n3\t0\t3\t18\t2\t0\t60\t1\t46.005\t8.0\t50\t1\n",
+    );
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    let on = "FENCE_ENABLE,1\n";
+    for (mission, params, flags, passes) in [
+        (
+            &low,
+            format!("{on}FENCE_TYPE,1\nFENCE_ALT_MAX,50\n"),
+            &[][..],
+            false,
+        ),
+        (
+            &low,
+            format!("{on}FENCE_TYPE,1\nFENCE_ALT_MAX,51\n"),
+            &[],
+            true,
+        ),
+        (
+            &low,
+            format!("{on}FENCE_TYPE,8\nFENCE_ALT_MIN,30\n"),
+            &[],
+            false,
+        ),
+        (
+            &low,
+            "FENCE_AUTOENABLE,3\nFENCE_TYPE,8\nFENCE_ALT_MIN,30\n".to_owned(),
+            &[],
+            false,
+        ),
+        (
+            &low,
+            format!("{on}FENCE_TYPE,8\nFENCE_ALT_MIN,15\n"),
+            &[],
+            true,
+        ),
+        // It is never so high that its floor begins to count, 2 m above that.
+        (
+            &low,
+            format!("{on}FENCE_TYPE,8\nFENCE_ALT_MIN,49\n"),
+            &[],
+            true,
+        ),
+        // 555.7 m away and a circle of 60 m.
+        (
+            &circle,
+            format!("{on}FENCE_TYPE,2\nFENCE_RADIUS,600\n"),
+            &[],
+            false,
+        ),
+        (
+            &circle,
+            format!("{on}FENCE_TYPE,2\nFENCE_RADIUS,630\n"),
+            &[],
+            true,
+        ),
+        // Its climb-out ends up to 14 m too high.
+        (
+            &RETURN.to_owned(),
+            format!("{on}FENCE_TYPE,1\nFENCE_ALT_MAX,60\n"),
+            &plane,
+            false,
+        ),
+        // It returns at 100 m: there the fence has no more to say.
+        (
+            &RETURN.to_owned(),
+            format!("{on}FENCE_TYPE,1\nFENCE_ALT_MAX,90\n"),
+            &plane,
+            true,
+        ),
+        (
+            &RETURN.replace("3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n", ""),
+            format!("{on}FENCE_TYPE,1\nFENCE_ALT_MAX,90\n"),
+            &plane,
+            true,
+        ),
+    ] {
+        let (code, said, _) = flown_from(mission, &params, flags);
+        assert_eq!(code == Some(0), passes, "{params} {flags:?}: {said}");
+        assert!(passes || said.contains("fence of the parameters"), "{said}");
+    }
+}
+
 #[test]
 fn of_a_parameter_that_stands_twice_the_last_value_counts_and_two_names_must_agree() {
     let ceiling = ["--max-amsl", "600"];

@@ -163,6 +163,26 @@ fn a_long_way_around_a_wall_is_not_given_up_for_a_short_one_through_it() {
     }
 }
 
+/// Detours are fitted beside the paths that a vehicle would fly alone: both count.
+#[test]
+fn a_vehicle_that_gives_way_with_few_evaluations_ends_within_them() {
+    let mut spec = empty_spec(vec![
+        copter("alpha", 1, WEST, EAST),
+        copter("bravo", 2, SOUTH, NORTH),
+    ]);
+    for evaluations in [1, 2, 5, 20, 60, 150] {
+        spec.planner.evaluations = evaluations;
+        let (_, plan) = plan(&spec);
+        for vehicle in &plan.vehicles {
+            assert!(
+                vehicle.evaluations <= 2 * evaluations,
+                "{} of {evaluations}",
+                vehicle.evaluations
+            );
+        }
+    }
+}
+
 #[test]
 fn a_ridge_is_crossed_at_minimum_clearance() {
     let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);

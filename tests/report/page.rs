@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use sortie::plan::{BlockingElement, Change, Relaxation};
+use sortie::plan::{BlockingElement, Change, Relaxation, VehiclePlan};
+use sortie::report::infeasibilities;
 use sortie::spec::{Arrival, Stop, StopAction, Vehicle};
 use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
@@ -219,6 +220,67 @@ fn the_page_of_a_failure_says_why_no_path_was_found() {
         .iter_mut()
         .for_each(|margin| margin.ok = true);
     assert!(!facts.html().contains("<section id=\"infeasible\">"));
+}
+
+/// What makes a plan fail for a reason.
+type Made<'a> = &'a dyn Fn(&mut VehiclePlan);
+
+/// Word for word, whatever the reason, and each violation as a cross on the map that says what it is.
+#[test]
+fn the_page_of_a_failure_has_every_sentence_of_the_terminal() {
+    let failed = || {
+        let mut facts = facts(hilly_spec(IDS));
+        for plan in &mut facts.plan.vehicles {
+            plan.terms.threat = 0.2;
+            plan.terms.collision = 0.1;
+        }
+        facts.review.margins[0].ok = false;
+        facts
+    };
+    let relaxed = |changes: &[Change]| {
+        let one = |change: &Change| Relaxation(vec![*change]);
+        Some(changes.iter().map(one).collect::<Vec<_>>())
+    };
+    let remedies = [Change::Evaluations(80_000), Change::ControlPoints(12)];
+    let reasons: [(&str, Made<'_>); 5] = [
+        ("every way is closed by", &|plan| {
+            plan.blocking_set = vec![BlockingElement::Threat(0), BlockingElement::Edge];
+        }),
+        (
+            "alone it would have one: alpha, bravo are in its way",
+            &|plan| {
+                plan.blocked_by = vec![0, 1];
+            },
+        ),
+        ("; there may be none", &|plan| {
+            plan.relaxations = Some(Vec::new())
+        }),
+        (", or with ", &|plan| plan.relaxations = relaxed(&remedies)),
+        ("separation from earlier vehicles", &|_| ()),
+    ];
+    for (part, change) in reasons {
+        let mut facts = failed();
+        facts.plan.vehicles.iter_mut().for_each(change);
+        let said = infeasibilities(&facts.spec, &facts.world, &facts.plan);
+        assert_eq!(said.len(), 3);
+        let page = facts.html();
+        let mut crosses = 0;
+        for reason in &said {
+            let sentence = reason.to_string();
+            assert!(sentence.contains(part), "{part}: {sentence}");
+            assert!(page.contains(&format!("<li>{sentence}</li>")), "{sentence}");
+            for at in &reason.violations {
+                crosses += 1;
+                let title = format!(
+                    "<title>{}: {} ({})</title>",
+                    reason.vehicle, at.what, at.how
+                );
+                assert!(page.contains(&title), "{title}");
+            }
+        }
+        assert!(crosses > 0);
+        assert_eq!(page.matches("class=\"violation\"").count(), crosses);
+    }
 }
 
 #[test]

@@ -90,8 +90,12 @@ fn along(vehicle: &Vehicle, places: &[LatLon], radius_m: f64) -> VehicleMission 
 fn leg_s(length_m: f64, turn_deg: f64, radius_m: f64) -> f64 {
     let places = zigzag(12, length_m, turn_deg);
     let vehicle = slow("alpha", 1, places[0], places[12]);
-    let mission = along(&vehicle, &places, radius_m);
-    let review = judge(&empty_spec(vec![vehicle]), &[&mission]);
+    mean_leg_s(&vehicle, &along(&vehicle, &places, radius_m))
+}
+
+/// The same of the ten legs in the middle of a zigzag of twelve.
+fn mean_leg_s(vehicle: &Vehicle, mission: &VehicleMission) -> f64 {
+    let review = judge(&empty_spec(vec![vehicle.clone()]), &[mission]);
     let moments = &review.tracks[0].moments;
     // Takeoff 1, speed 2, the end of the first leg 3.
     let reached = |item| {
@@ -111,6 +115,34 @@ fn legs_between_corners_last_as_long_as_they_were_flown() {
                 "{turn_deg} degrees, radius {radius_m} m: {judged_s:.2} s, flown {flown_s} s"
             );
         }
+    }
+}
+
+/// From rest to 10 m/s with 2.5 m/s^2 and a jerk `j` lasts `p = 4 + 2.5 / j`, or `2 sqrt(10 / j)` where the
+/// acceleration is never reached; at right angles the legs overlap for `2 t`, `t` the time to
+/// `2 m / (2 sin 45)`, and a corner costs `p - 2 t` and the 0.1 s of the table.
+#[test]
+fn a_corner_costs_what_the_jerk_of_the_parameters_asks_for() {
+    for (name, jerk, lost_s) in [
+        ("WPNAV_JERK", 1.0, 2.52),
+        ("WPNAV_JERK", 0.2, 7.26),
+        ("WPNAV_JERK", 5.0, 1.99),
+        ("WPNAV_JERK", 20.0, 1.97),
+        ("WP_JERK", 5.0, 1.99),
+    ] {
+        let places = zigzag(12, 200.0, 90.0);
+        let vehicle = slow("alpha", 1, places[0], places[12]);
+        let mut mission = along(&vehicle, &places, 2.0);
+        mission.params.push(Parameter {
+            name: name.to_owned(),
+            value: jerk,
+            why: String::new(),
+        });
+        let found_s = mean_leg_s(&vehicle, &mission);
+        assert!(
+            (found_s - 20.0 - lost_s).abs() < 0.03,
+            "{name} {jerk}: {found_s}"
+        );
     }
 }
 

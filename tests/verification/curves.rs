@@ -1,9 +1,10 @@
 //! Splines, circles and the placing of payloads, judged as the autopilots fly them.
+#![allow(clippy::cast_possible_truncation)]
 
 use crate::support;
 use crate::support::missions;
 use missions::{GROUND_M, at, land, mission, takeoff, waypoint};
-use sortie::geodesy::{EastNorth, LatLon};
+use sortie::geodesy::{Amsl, EastNorth, LatLon};
 use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
 use sortie::spec::*;
 use sortie::verify::{Limit, Margin, Review, review};
@@ -315,11 +316,111 @@ fn a_payload_is_placed_by_a_column_down_to_the_ground_and_up_again() {
             corner(9.0, 9.0),
             corner(-9.0, 9.0),
         ],
-        ceiling: Some(Placement::Amsl(sortie::geodesy::Amsl(GROUND_M + 30.0))),
+        ceiling: Some(Placement::Amsl(Amsl(GROUND_M + 30.0))),
         ..Zone::default()
     });
     assert!(find(&judge(&zoned, &short), &Limit::Zone("yard".to_owned())).ok);
     assert!(!find(&judge(&zoned, &mission), &Limit::Zone("yard".to_owned())).ok);
+}
+
+/// A hill of 60 m halfway between 100 m and 900 m east of the origin.
+fn hilly(items: &[Item]) -> (MissionSpec, VehicleMission) {
+    let (mut spec, mission) = flown(items);
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(GROUND_M),
+        hills: vec![Hill {
+            place: spot(500.0, 0.0),
+            height_m: 60.0,
+            radius_m: 150.0,
+        }],
+    };
+    (spec, mission)
+}
+
+/// `ModeAuto::shift_alt_to_current_alt`: the altitude that it has, above what the frame of the item is
+/// above. With the item above the sea it does not follow the ground, though it did before.
+#[test]
+fn a_payload_is_carried_level_or_over_the_ground_by_the_frame_of_its_item() {
+    let terrain = frame::GLOBAL_TERRAIN_ALT;
+    let clearance_m = |before: u8, of_item: u8| {
+        let up_m = if before == terrain {
+            40.0
+        } else {
+            GROUND_M + 40.0
+        };
+        let low = at(command::NAV_WAYPOINT, before, spot(100.0, 0.0), up_m, 0.0);
+        let payload = at(
+            command::NAV_PAYLOAD_PLACE,
+            of_item,
+            spot(900.0, 0.0),
+            0.0,
+            0.0,
+        );
+        let after = waypoint(spot(1000.0, 0.0), GROUND_M + 40.0);
+        let (spec, mission) = hilly(&[low, payload, after]);
+        let review = judge(&spec, &mission);
+        assert_eq!(judged(&review), Ok(()));
+        find(&review, &Limit::TerrainClearance).value
+    };
+    for before in [frame::GLOBAL, terrain] {
+        for of_item in [frame::GLOBAL, frame::GLOBAL_RELATIVE_ALT] {
+            let level_m = clearance_m(before, of_item);
+            assert!(
+                (level_m + 20.0).abs() < 0.1,
+                "{before} {of_item}: {level_m}"
+            );
+        }
+        let over_m = clearance_m(before, terrain);
+        assert!((over_m - 40.0).abs() < 0.2, "{before}: {over_m}");
+    }
+}
+
+#[test]
+fn a_landing_above_terrain_follows_the_ground_to_its_place() {
+    let ceiling_m = |of_item: u8| {
+        let (spec, mut mission) = hilly(&[waypoint(spot(100.0, 0.0), GROUND_M + 70.0)]);
+        let down = mission.items.last_mut().expect("a landing");
+        *down = at(command::NAV_LAND, of_item, spot(900.0, 0.0), 0.0, 0.0);
+        let review = judge(&spec, &mission);
+        assert_eq!(judged(&review), Ok(()));
+        find(&review, &Limit::Ceiling).value
+    };
+    // The takeoff is higher: to 80 m.
+    for of_item in [frame::GLOBAL, frame::GLOBAL_RELATIVE_ALT] {
+        let level_m = ceiling_m(of_item);
+        assert!((level_m - UP_M).abs() < 0.01, "{of_item}: {level_m}");
+    }
+    let over_m = ceiling_m(frame::GLOBAL_TERRAIN_ALT);
+    assert!((over_m - (GROUND_M + 130.0)).abs() < 0.2, "{over_m}");
+}
+
+/// `Mission::calculate_takeoff_altitude`.
+#[test]
+fn a_px4_copter_climbs_to_the_takeoff_altitude_of_its_parameters() {
+    let (mut spec, mut mission) = flown(&[waypoint(spot(500.0, 0.0), GROUND_M + 30.0)]);
+    spec.vehicles[0].autopilot = Autopilot::Px4;
+    mission.autopilot = Autopilot::Px4;
+    mission.items[0].z = (GROUND_M + 30.0) as f32;
+    let ceiling_m = |least_m: Option<f32>, first: usize| {
+        let mut mission = mission.clone();
+        // Without a takeoff it climbs to the first waypoint by itself.
+        mission.items.drain(..first);
+        mission.params.extend(least_m.map(|value| Parameter {
+            name: "MIS_TAKEOFF_ALT".to_owned(),
+            value,
+            why: String::new(),
+        }));
+        find(&judge(&spec, &mission), &Limit::Ceiling).value
+    };
+    for first in [0, 1] {
+        for (least_m, above_m) in [(None, 30.0), (Some(10.0), 30.0), (Some(90.0), 90.0)] {
+            let found_m = ceiling_m(least_m, first) - GROUND_M;
+            assert!(
+                (found_m - above_m).abs() < 0.01,
+                "{first} {least_m:?}: {found_m}"
+            );
+        }
+    }
 }
 
 /// A vtol of an autopilot that rises at the origin, flies the items, and circles at the last.
@@ -506,7 +607,7 @@ fn a_wing_that_circles_to_an_altitude_is_judged_at_all_of_them() {
     let ceiling = find(&judge(&spec, &mission), &Limit::Ceiling);
     assert!(ceiling.value >= high_m - 0.01, "{ceiling:?}");
     spec.terrain = TerrainSource::Analytic {
-        base: sortie::geodesy::Amsl(GROUND_M),
+        base: Amsl(GROUND_M),
         hills: vec![Hill {
             place: spot(1500.0, 120.0),
             height_m: 60.0,

@@ -107,6 +107,25 @@ fn a_planned_speed_beyond_the_airspeeds_of_the_parameters_is_said() {
     assert!(slower.note.contains("within AIRSPEED_MAX 15"), "{slower:?}");
 }
 
+/// `Plane::mission_alt_offset`.
+#[test]
+fn a_mission_that_a_parameter_raises_or_lowers_is_not_judged_as_if_it_did_not() {
+    let judged = |offset_m: f32| {
+        let (spec, mut mission) = climbing_plane();
+        mission.params.push(Parameter {
+            name: "ALT_OFFSET".to_owned(),
+            value: offset_m,
+            why: String::new(),
+        });
+        margin(&spec, &mission, &Limit::ItemsJudged).expect("a margin")
+    };
+    assert!(judged(0.0).ok);
+    for offset_m in [-60.0, 20.0] {
+        let found = judged(offset_m);
+        assert!(!found.ok && found.note.contains("ALT_OFFSET"), "{found:?}");
+    }
+}
+
 /// With a wind from a direction, in the spec and on the wing.
 fn windy(spec: &mut MissionSpec, from_deg: f64, speed_mps: f64) {
     let wind = Some(Wind {
@@ -135,6 +154,51 @@ fn nearest_m(spec: &MissionSpec, mission: &VehicleMission, place: LatLon) -> f64
     spec.threats = vec![threat("mast", place, 1.0)];
     let found = margin(&spec, mission, &Limit::Threat("mast".to_owned()));
     found.expect("judged").value
+}
+
+/// Chords of a circle are within it: what is outside is nearer to the circle than to them.
+#[test]
+fn nothing_outside_of_a_circle_is_further_from_it_than_it_is() {
+    let (spec, mission) = quadplane(Autopilot::Px4);
+    let (out_m, off_m) = (150.0, 50.0);
+    for index in 0..40 {
+        // East of the middle, away from the way to the circle.
+        let north_rad = f64::from(index) * 0.037 + 0.8;
+        let (east_m, north_m) = (out_m * north_rad.sin(), out_m * north_rad.cos());
+        let place = spot(3000.0 + east_m, north_m);
+        let to_threat_m = nearest_m(&spec, &mission, place) + 1.0;
+        let mut zoned = spec.clone();
+        zoned.no_fly.push(Zone {
+            id: "mast".to_owned(),
+            polygon: [(-1e-3, -1e-3), (1e-3, -1e-3), (0.0, 1e-3)]
+                .map(|(east, north)| spot(3000.0 + east_m + east, north_m + north))
+                .to_vec(),
+            ..Zone::default()
+        });
+        let found = margin(&zoned, &mission, &Limit::Zone("mast".to_owned())).expect("judged");
+        for found_m in [to_threat_m, found.value] {
+            assert!(found_m <= off_m + 3e-3, "{found_m} at {north_rad}");
+            assert!(found_m > off_m - 0.05, "{found_m} at {north_rad}");
+        }
+    }
+}
+
+/// Nor does the edge of the area cut anything off a circle.
+#[test]
+fn a_circle_is_as_near_to_the_edge_as_its_outermost_place() {
+    let (mut spec, mut mission) = quadplane(Autopilot::Px4);
+    spec.area.north_east.lon_deg = spot(3300.0, 0.0).lon_deg;
+    // Its chords begin where the wing comes to it: a little further around each time.
+    let most_m = (0..13).map(|step| {
+        let middle = spot(3000.0, 5.0 * f64::from(step));
+        let circle = mission.items.last_mut().expect("a circle");
+        let moved = at(circle.command, frame::GLOBAL, middle, UP_M, 0.0);
+        (circle.x, circle.y) = (moved.x, moved.y);
+        let found = margin(&spec, &mission, &Limit::Area).expect("judged");
+        found.value - 200.0
+    });
+    let most_m = most_m.fold(f64::NEG_INFINITY, f64::max);
+    assert!(most_m.abs() <= 0.03 && most_m <= 5e-3, "{most_m}");
 }
 
 #[test]

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .earth import geodetic
 from .flight import HOLD, RETURN, SAME_M, TO_ALT
 from .shapes import Height, Line, Point
 
-CHORD_M = 0.02
 ORBIT_PIECES = 100  # of half an orbit in wind
 APART_M = 15.0  # lines that stand for a region
 WIDE_SHARE, INSIDE_SHARE, LEVEL_M, ALIGNED_REACH = 0.75, 0.2, 6.0, 1.2
@@ -91,7 +89,7 @@ class Circles:
 
     def orbit(self, middle, edge, radius, amsl):
         """Once around, as two half circles."""
-        self.chords, pieces = CHORD_M, ORBIT_PIECES if self.wind else 1
+        pieces = ORBIT_PIECES if self.wind else 1
         for sign in (1, -1):
             arm = sign * (edge - middle)
             side = math.copysign(1, radius) * np.array([arm[1], -arm[0]])  # the way it flies there
@@ -251,4 +249,4 @@ class Circle:
     def place(self, s):
         angle = math.pi * np.asarray(s)[..., None]
         flat = self.middle + self.arm * np.cos(angle) + self.side * np.sin(angle)
-        return geodetic(self.plane.touches + flat[..., :1] * self.plane.east + flat[..., 1:] * self.plane.north)
+        return self.plane.places(flat)

@@ -105,8 +105,8 @@ class Flight:
         self.slopes, self.grounded = [], []  # climb-outs and glides; what no height is asked of
         self.speed, self.t, self.knots, self.turned = vehicle["speed_mps"], 0.0, [], 0.0
         self.late = 0.0
-        # How far circles of the verdict and its ways of the L1 law may be off, and the steepest leg of those.
-        self.chords, self.loose, self.steep = 0.0, 0.0, 0.0
+        # How far the verdict's ways of the L1 law may be off, and the steepest leg of those.
+        self.loose, self.steep = 0.0, 0.0
         home = items[0]["at"]
         self.home = Knot(home, float(ground.height(*home)))
         self.fly(items[1:])
@@ -141,7 +141,11 @@ class Flight:
             elif command == LAND:
                 if self.ardupilot:
                     self.stop()
-                self.append(Knot(item["at"], self.knots[-1].amsl, None, self.speed))
+                last, agl = self.knots[-1], None
+                if item["frame"] in (10, 11):
+                    agl = last.amsl - float(self.ground.height(*last.at))
+                amsl = last.amsl if agl is None else float(self.ground.height(*item["at"])) + agl
+                self.append(Knot(item["at"], amsl, agl, self.speed))
                 self.stop()
                 return self.touch_down()
             elif command == RETURN:

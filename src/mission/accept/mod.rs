@@ -110,10 +110,7 @@ static RULES: &[(&str, Check)] = &[
     ("departure delay", Check::Item(wing::departure_delay)),
     ("whole numbers", Check::Item(wing::whole_numbers)),
     ("landing approach", Check::Mission(wing::landing_approach)),
-    (
-        "fence of the parameters",
-        Check::Mission(param_fence::inside),
-    ),
+    (param_fence::RULE, Check::Mission(param_fence::inside)),
 ];
 
 /// Everything in a mission, its fence and its rally points that the autopilot would reject or

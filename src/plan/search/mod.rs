@@ -209,7 +209,8 @@ fn swarms(
             given: &seeds,
             redraw: options.redrawing.then_some(&redraw),
         },
-        run.budget - fitted,
+        // The fits beside the paths flown alone may have spent more than there was.
+        run.budget.checked_sub(fitted).unwrap_or(1),
         &mut rng,
         &|point: TracePoint| {
             (run.watch)(TracePoint {

@@ -12,7 +12,8 @@ use nalgebra::Vector3;
 use crate::autopilot::Cornering;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{
-    VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps, within_speeds_mps,
+    Item, VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps, frame,
+    jerk_mps3, within_speeds_mps,
 };
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
@@ -62,7 +63,9 @@ pub(crate) fn fly(
         accept_m: acceptance_m(mission, 0),
         law: vehicle.facts().corners.map(|law| {
             let corner_mps2 = corner_accel_mps2(vehicle.accel_mps2, Some(mission));
-            Cornering::new(law, vehicle.accel_mps2).within(corner_mps2)
+            Cornering::new(law, vehicle.accel_mps2)
+                .within(corner_mps2)
+                .with_jerk(jerk_mps3(mission))
         }),
         lag_s: altitude_lag::lag_s(mission),
         early_m: altitude_lag::early_m(vehicle, mission),
@@ -207,7 +210,7 @@ impl Pilot<'_> {
             (self.airborne, step.order)
             && !mission.facts().acceptance.needs_takeoff
         {
-            self.lift_itself(row, height, mission.autopilot)?;
+            self.lift_itself(row, height, mission)?;
         }
         let stops = self.vehicle.facts().stops;
         if self.airborne && stops.before.contains(&mission.items[row - 1].command) {
@@ -235,7 +238,7 @@ impl Pilot<'_> {
             Order::Takeoff { at, height } if self.vehicle.airframe == Airframe::Plane => {
                 self.climb_out(row, at, height)?;
             }
-            Order::Takeoff { at, height } => self.take_off(row, at, height, mission.autopilot)?,
+            Order::Takeoff { at, height } => self.take_off(row, at, height, mission)?,
             _ if !self.airborne => return unknown("no takeoff before it"),
             _ => self.navigate(step, next, mission)?,
         }
@@ -294,10 +297,22 @@ impl Pilot<'_> {
                 let height = height.map_err(|why| Unknown { row, why })?;
                 self.glide(row, at, height)?;
             }
-            Order::Land { at } => self.land(row, at)?,
+            Order::Land { at } => {
+                let keeps = self.kept_height(&mission.items[row - 1]);
+                self.land(row, at, keeps)?;
+            }
             Order::Return => self.return_home(row, mission)?,
         }
         Ok(())
+    }
+
+    /// The altitude with which a copter flies to a place where it descends: the one that it has, above
+    /// the ground where the item has one above terrain (`ModeAuto::shift_alt_to_current_alt`).
+    fn kept_height(&self, item: &Item) -> Height {
+        let follows = frame::canonical(item.frame) == frame::GLOBAL_TERRAIN_ALT;
+        Height::Keep {
+            follows: follows && !self.vehicle.airframe.has_wing(),
+        }
     }
 
     /// The place, or the present one.

@@ -5,6 +5,7 @@ mod actions;
 pub(crate) mod coverage;
 mod ends;
 mod fence;
+mod param_fence;
 mod stops;
 pub(crate) mod tasks;
 
@@ -167,6 +168,13 @@ impl Contract<'_> {
         problems.retain(|problem| !problem.is_fence_count());
         let capacity = self.vehicle.fence_capacity();
         problems.extend(AcceptanceProblem::fence_count(self.mission, capacity));
+        let (problem, at_fence) = match self.comes_to_param_fence() {
+            Some((problem, at)) if !problems.iter().any(AcceptanceProblem::is_param_fence) => {
+                (Some(problem), Some(at))
+            }
+            _ => (None, None),
+        };
+        problems.extend(problem);
         let required = Requirement::at_most(Limit::Acceptance, 0.0, "problems");
         let margin = |at, note| Margin {
             note,
@@ -185,9 +193,14 @@ impl Contract<'_> {
                 .filter(|_| in_mission)
                 .map(|chord| chord.moment(&self.world.frame, 1.0))
         };
+        let at = |problem: &AcceptanceProblem| {
+            at_fence
+                .filter(|_| problem.is_param_fence())
+                .or_else(|| flown(problem))
+        };
         problems
             .iter()
-            .map(|problem| margin(flown(problem), problem.to_string()))
+            .map(|problem| margin(at(problem), problem.to_string()))
             .collect()
     }
 

@@ -87,16 +87,18 @@ impl<'a> Space<'a> {
             self.judge_threats(chord, &parts, &mut found.threats);
             for part in &parts {
                 self.judge_zones(chord, part, &mut found.zones);
+                // What is flown may be as far as its bow from the chord, to any side.
+                let bow_m = chord.bow_m;
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
                 let least_m = self.spec.buffers.area_m;
                 found
                     .area
-                    .at_least(area_m, least_m, || moment(chord, part, w));
+                    .at_least(area_m - bow_m, least_m, || moment(chord, part, w));
                 if !fence.is_empty() {
-                    let (fence_m, w) = fence.margin_m(part, found.fence.room());
+                    let (fence_m, w) = fence.margin_m(part, found.fence.room() + bow_m);
                     found
                         .fence
-                        .at_least(fence_m, 0.0, || moment(chord, part, w));
+                        .at_least(fence_m - bow_m, 0.0, || moment(chord, part, w));
                 }
             }
         }
@@ -281,12 +283,12 @@ impl<'a> Space<'a> {
             // Distances in the plane differ from those around the threat by far less than this.
             let around_m = disc.center.distance_m(chord.at(0.5).at)
                 - 0.5 * chord.from.at.distance_m(chord.to.at);
-            if 0.999 * around_m - disc.radius_m - 1.0 > worst.room() {
+            if 0.999 * around_m - disc.radius_m - 1.0 - chord.bow_m > worst.room() {
                 continue;
             }
             for part in parts {
                 let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
-                worst.at_least(margin_m, least_m, || moment(chord, part, w));
+                worst.at_least(margin_m - chord.bow_m, least_m, || moment(chord, part, w));
             }
         }
     }
@@ -297,13 +299,13 @@ impl<'a> Space<'a> {
         for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
             let least_m = least_m.max(zone.buffer_m);
-            if shape.bound_m(part) > (worst.room() + least_m).max(0.0) {
+            if shape.bound_m(part) - chord.bow_m > (worst.room() + least_m).max(0.0) {
                 continue;
             }
             let closed = Closed::new(zone, &self.surface, slack_s).widened(least_m);
             for part in closed.parts(chord, part) {
                 let (margin_m, w) = shape.margin_m(&part);
-                worst.at_least(margin_m, least_m, || moment(chord, &part, w));
+                worst.at_least(margin_m - chord.bow_m, least_m, || moment(chord, &part, w));
             }
         }
     }

@@ -38,11 +38,14 @@ fn flag(basis: Basis, limits: &Limits) -> Option<(bool, &'static str, &'static s
 /// Whether a margin was judged against something that was given, or that a wing has.
 fn is_judged(margin: &Margin, spec: &MissionSpec, limits: &Limits) -> bool {
     let is_rate = matches!(margin.limit, Limit::ClimbSpeed | Limit::DescentSpeed);
+    let is_turn = margin.limit == Limit::TurnFit;
     let mut vehicles = spec.vehicles.iter();
     let vehicle = vehicles.find(|vehicle| vehicle.id == margin.vehicle);
-    // Of a copter that is slower than commanded nobody knows when it is where.
+    let has_wing = vehicle.is_some_and(|vehicle| vehicle.airframe.has_wing());
+    // Of a copter that is slower than commanded nobody knows when it is where, nor of a wing whose turns
+    // do not fit between its places: in time they are cut short, by half a leg where it turns back.
     let is_timed = limits.separation.is_some() && spec.vehicles.len() > 1 && !margin.ok;
-    if is_rate && vehicle.is_some_and(|vehicle| vehicle.airframe.has_wing() || is_timed) {
+    if is_rate && vehicle.is_some() && (has_wing || is_timed) || is_turn && has_wing && is_timed {
         return true;
     }
     match (flag(margin.limit.basis(), limits), margin.limit.basis()) {

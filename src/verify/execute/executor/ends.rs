@@ -1,6 +1,6 @@
 //! How a flight ends: landed, at home again, or in the air for ever.
 
-use super::Pilot;
+use super::{Pilot, SAME_PLACE_M};
 use crate::autopilot::{Autopilot, Motion, SLOW_LANDING_M, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, ParamFence, VehicleMission, command};
@@ -76,11 +76,21 @@ pub(crate) fn goes_nowhere(items: &[Item]) -> bool {
 }
 
 impl Pilot<'_> {
-    pub(crate) fn land(&mut self, row: usize, at: Option<LatLon>) -> Result<(), Unknown> {
+    /// Lands at a place, which it flies to at the altitude that it has, or where it is.
+    pub(crate) fn land(
+        &mut self,
+        row: usize,
+        at: Option<LatLon>,
+        keeps: Height,
+    ) -> Result<(), Unknown> {
         if let Some(place) = at {
-            let last = self.last();
             let at = self.reach(row, place)?;
-            let knot = self.knot(row, at, last.amsl_m, None);
+            let keeps = match at.distance_m(self.last().at) > SAME_PLACE_M {
+                true => keeps,
+                false => Height::Keep { follows: false },
+            };
+            let (amsl_m, agl_m) = self.resolve(row, place, keeps)?;
+            let knot = self.knot(row, at, amsl_m, agl_m);
             if self.vehicle.facts().stops.before_landing {
                 self.stop()?;
             }
@@ -235,13 +245,15 @@ impl Pilot<'_> {
         self.phase = Phase::Finish;
         if from.amsl_m < amsl.0 {
             // How fast it climbs is its own affair.
-            let level = PlanPoint {
-                at: home.at,
-                amsl: Amsl(from.amsl_m),
-            };
+            let turned = self.turned_towards(home.at)?;
             let t_s = self.trajectory.t_s;
-            let chord = Chord::unflown((row, self.phase), (t_s, t_s), (from.point(), level));
-            self.trajectory.chords.push(chord);
+            for at in std::iter::once(from.at).chain(turned) {
+                for amsl in [Amsl(from.amsl_m), amsl] {
+                    let ends = [at, home.at].map(|at| PlanPoint { at, amsl });
+                    let chord = Chord::unflown((row, self.phase), (t_s, t_s), (ends[0], ends[1]));
+                    self.trajectory.chords.push(chord);
+                }
+            }
         }
         self.circle(row, place, Height::Sea(amsl), radius_m)
     }

@@ -9,7 +9,7 @@ use crate::verify::execute::decode::Unknown;
 use crate::world::Terrain;
 
 impl Pilot<'_> {
-    /// Flies to a place at the present altitude, descends, and rises to where it was.
+    /// Flies to a place at the altitude that it has, descends, and rises to where it was.
     pub(crate) fn place_payload(
         &mut self,
         row: usize,
@@ -17,14 +17,14 @@ impl Pilot<'_> {
         most_m: Option<f64>,
         mission: &VehicleMission,
     ) -> Result<(), Unknown> {
-        let last = self.last();
         let at = self.reach(row, place)?;
-        if let Some(agl_m) = last.agl_m {
-            let amsl_m = self.trajectory.ground_m(row, place)? + agl_m;
-            self.append(self.knot(row, at, amsl_m, Some(agl_m)))?;
-        } else {
-            self.append(self.knot(row, at, last.amsl_m, None))?;
+        let keeps = self.kept_height(&mission.items[row - 1]);
+        let (amsl_m, agl_m) = self.resolve(row, place, keeps)?;
+        let changes_kind = self.last().agl_m.is_some() != agl_m.is_some();
+        if changes_kind && self.vehicle.facts().stops.between_altitude_kinds {
+            self.stop()?;
         }
+        self.append(self.knot(row, at, amsl_m, agl_m))?;
         self.stop()?;
         let top_m = self.last().amsl_m;
         let ground_m = match self.world.terrain {

@@ -1,6 +1,7 @@
 //! Takeoffs on rotors.
 
 use crate::geodesy::{Amsl, LatLon};
+use crate::mission::VehicleMission;
 use crate::spec::{Airframe, Autopilot};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::item::Height;
@@ -13,6 +14,12 @@ const LEAST_TAKEOFF_M: f64 = 2.5;
 /// ArduCopter climbs by this at least (`ModeAuto::takeoff_start`), metres.
 const LEAST_CLIMB_M: f64 = 1.0;
 
+/// How far PX4 climbs at least on rotors, metres (`Mission::calculate_takeoff_altitude`).
+fn least_takeoff_m(mission: &VehicleMission) -> f64 {
+    let held = mission.param("MIS_TAKEOFF_ALT").filter(|m| m.is_finite());
+    held.unwrap_or(LEAST_TAKEOFF_M)
+}
+
 impl Pilot<'_> {
     /// PX4 climbs over its home, to the altitude of the first item and `MIS_TAKEOFF_ALT` at least,
     /// before it flies there (`Mission::do_need_vertical_takeoff`).
@@ -20,12 +27,12 @@ impl Pilot<'_> {
         &mut self,
         row: usize,
         height: Height,
-        autopilot: Autopilot,
+        mission: &VehicleMission,
     ) -> Result<(), Unknown> {
         let place = self.world.frame.from_plan(self.home.at);
         let (amsl_m, _) = self.resolve(row, place, height)?;
-        let least_m = self.home.amsl.0 + LEAST_TAKEOFF_M;
-        self.take_off(row, None, Height::Sea(Amsl(amsl_m.max(least_m))), autopilot)
+        let least_m = self.home.amsl.0 + least_takeoff_m(mission);
+        self.take_off(row, None, Height::Sea(Amsl(amsl_m.max(least_m))), mission)
     }
 
     pub(crate) fn take_off(
@@ -33,8 +40,9 @@ impl Pilot<'_> {
         row: usize,
         at: Option<LatLon>,
         height: Height,
-        autopilot: Autopilot,
+        mission: &VehicleMission,
     ) -> Result<(), Unknown> {
+        let autopilot = mission.autopilot;
         // The encoded delay is the departure.
         self.trajectory.t_s = match (self.flight.delay_s, autopilot) {
             (Some(delay_s), _) => delay_s,
@@ -46,7 +54,9 @@ impl Pilot<'_> {
         let (amsl_m, _) = self.resolve(row, place, height)?;
         let amsl_m = match (self.vehicle.airframe, autopilot) {
             (Airframe::Copter, Autopilot::ArduPilot) => amsl_m.max(home.amsl.0 + LEAST_CLIMB_M),
-            (Airframe::Copter, Autopilot::Px4) => amsl_m.max(home.amsl.0 + LEAST_TAKEOFF_M),
+            (Airframe::Copter | Airframe::Vtol, Autopilot::Px4) => {
+                amsl_m.max(home.amsl.0 + least_takeoff_m(mission))
+            }
             _ => amsl_m,
         };
         if amsl_m <= home.amsl.0 || home.amsl.0.is_nan() {

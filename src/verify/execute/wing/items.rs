@@ -15,6 +15,14 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
     if autopilot.conventions().waits_without_autocontinue && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
     }
+    // `Plane::mission_alt_offset`.
+    let offset_m = mission.param("ALT_OFFSET").unwrap_or(0.0);
+    if autopilot == Autopilot::ArduPilot
+        && item.command <= command::NAV_LAST
+        && offset_m.abs() > 0.0
+    {
+        return Err(format!("ALT_OFFSET raises its altitude by {offset_m} m"));
+    }
     let [_, second, third, _] = item.params.map(f64::from);
     match item.command {
         command::NAV_TAKEOFF

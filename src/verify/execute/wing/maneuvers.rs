@@ -8,6 +8,7 @@ use crate::path::{along, climb_out, heading_rad};
 use crate::spec::Autopilot;
 
 use super::drift::carried_points;
+use super::overshoot::share;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
 use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark};
@@ -313,11 +314,21 @@ impl Pilot<'_> {
             along(middle, outward_rad, rim_m)
         };
         let first = self.trajectory.chords.len();
+        let turned = self.turned_towards(middle)?;
         let rim = self.knot(row, rim_at, amsl_m, None);
         self.append(rim)?;
         let speed_mps = rim.speed_mps;
         self.fly_to_last(speed_mps)?;
         self.straight_in(row, from, middle, amsl_m);
+        for at in turned {
+            let share = share(from.at, middle, at);
+            let out = Knot {
+                at,
+                amsl_m: from.amsl_m + (amsl_m - from.amsl_m) * share,
+                ..from
+            };
+            self.straight_in(row, out, middle, amsl_m);
+        }
         if let Some(reach_m) = within {
             self.widen_from(first, reach_m);
             let times_s = (self.trajectory.t_s, self.trajectory.t_s);

@@ -10,9 +10,9 @@ use super::drift::carried_points;
 use super::l1::{Fix, STEP_S};
 use super::line::Line;
 use crate::verify::execute::decode::Unknown;
-use crate::verify::execute::executor::Pilot;
+use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
 use crate::verify::execute::flight::{EarlyTop, Hull};
-use crate::verify::execute::legs::Knot;
+use crate::verify::execute::legs::{Knot, ground_speeds};
 use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::measure::segment::{Chord, Phase};
 
@@ -96,6 +96,31 @@ impl Pilot<'_> {
             self.lay_way(&knots[on..=end], (&lines[on..end], &times[on..end]), &fixes)?;
         }
         Ok(())
+    }
+
+    /// Places off its leg at which a wing of ArduPilot may be once it has turned towards a place: to a circle it
+    /// flies straight from there (`Plane::update_loiter`), and not along the leg.
+    pub(crate) fn turned_towards(&self, place: EastNorth) -> Result<Vec<EastNorth>, Unknown> {
+        let from = self.last();
+        let Some(guidance) = self
+            .guidance
+            .filter(|_| from.at.distance_m(place) > SAME_PLACE_M)
+        else {
+            return Ok(Vec::new());
+        };
+        let mut knots = self.knots.clone();
+        knots.push(Knot { at: place, ..from });
+        let Some(leg) = knots.len().checked_sub(2).filter(|leg| *leg > 0) else {
+            return Ok(Vec::new());
+        };
+        let fixes = guidance.follow(&knots, &ground_speeds(&knots, self.vehicle)?);
+        let off = |fix: &&Fix| fix.leg == leg && fix.cross_track_m > TOLERANCE_M;
+        Ok(fixes
+            .iter()
+            .filter(off)
+            .step_by(EVERY)
+            .map(|fix| fix.at)
+            .collect())
     }
 
     /// Lays a way along legs, as far as it is off them, at the altitudes of each leg and at its times.
@@ -248,7 +273,7 @@ fn step(t_s: f64) -> usize {
 }
 
 /// How far along the straight line between two places a third lies: 0 at the first, 1 at the last.
-fn share(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
+pub(super) fn share(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
     let (east_m, north_m) = (to.east_m - from.east_m, to.north_m - from.north_m);
     let along = (at.east_m - from.east_m) * east_m + (at.north_m - from.north_m) * north_m;
     (along / (east_m * east_m + north_m * north_m)).clamp(0.0, 1.0)

@@ -1,0 +1,47 @@
+//! The fence that parameters set, against all that is flown: circles, climb-outs and corners reach
+//! beyond the places of items, and a floor counts only once the vehicle was above it.
+
+use super::Contract;
+use crate::mission::{AcceptanceProblem, Item, ParamFence, command};
+use crate::verify::Moment;
+use crate::verify::measure::segment::Phase;
+
+impl Contract<'_> {
+    /// The first place at which the flight comes to the fence of the mission's parameters. On a return, by
+    /// an item or at the end of a mission in the air, a breach would change nothing.
+    pub(super) fn comes_to_param_fence(&self) -> Option<(AcceptanceProblem, Moment)> {
+        let fence = ParamFence::of(self.mission).filter(|fence| fence.acts)?;
+        let home = self.stations.home;
+        let mut was_above = false;
+        self.flight.chords.iter().find_map(|chord| {
+            let item = self.mission.items.get(chord.row.checked_sub(1)?)?;
+            let lands = is_takeoff_or_landing(item);
+            let is_end = chord.phase == Phase::Finish && !lands;
+            if is_end || item.command == command::NAV_RETURN_TO_LAUNCH {
+                return None;
+            }
+            let is_low = was_above && !lands;
+            let ends = [(chord.from, 0.0), (chord.to, 1.0)];
+            ends.into_iter().find_map(|(end, u)| {
+                let above_m = end.amsl.0 - home.amsl.0;
+                was_above |= fence.floor_counts_from(above_m);
+                let away_m = end.at.distance_m(home.at) + chord.error_m;
+                let low = fence.below(above_m).filter(|_| is_low);
+                let found = fence.beyond(Some(above_m), Some(away_m)).or(low)?;
+                let problem = AcceptanceProblem::param_fence(chord.row, found);
+                Some((problem, chord.moment(&self.world.frame, u)))
+            })
+        })
+    }
+}
+
+/// Whether the floor does not count on the way to an item: autopilots switch it off as they land.
+fn is_takeoff_or_landing(item: &Item) -> bool {
+    [
+        command::NAV_TAKEOFF,
+        command::NAV_VTOL_TAKEOFF,
+        command::NAV_LAND,
+        command::NAV_VTOL_LAND,
+    ]
+    .contains(&item.command)
+}
