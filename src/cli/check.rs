@@ -7,7 +7,7 @@ use super::print::console::{note, out};
 use super::print::failure::Failure;
 use crate::mission;
 use crate::path::lean_note;
-use crate::spec::{Document, MissionSpec, Survey, Vehicle};
+use crate::spec::{Document, MissionSpec, SpecFile, Survey, Vehicle};
 use crate::verify;
 use crate::world::{self, Stations, World};
 
@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
             Document::Mission(file) => {
                 let world = world::load(&file)?;
                 let spec = &file.spec;
-                warn(spec, &world);
+                warn(&file, &world);
                 let fleet = spec.vehicles.iter().zip(&world.stations);
                 needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
                 needs.extend(fences(spec));
@@ -60,9 +60,11 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Warns of speeds that need more lean than a stock vehicle has, of landings with the wind, of places
-/// far outside of the area, and of values that look like another unit.
-pub(super) fn warn(spec: &MissionSpec, world: &World) {
+/// Warns of speeds that need more lean than a stock vehicle has or that its autopilot does not keep, of
+/// landings with the wind, of places far outside of the area, of files that forbid nothing or would
+/// with their coordinates exchanged, and of values that look like another unit.
+pub(super) fn warn(file: &SpecFile, world: &World) {
+    let spec = &file.spec;
     let fleet = spec.vehicles.iter().zip(&world.stations);
     let mut texts: Vec<String> = fleet
         .flat_map(|(vehicle, of)| {
@@ -71,11 +73,29 @@ pub(super) fn warn(spec: &MissionSpec, world: &World) {
             (lean.into_iter().chain(airspeed)).chain(vehicle.landing_note(of.landing_rad))
         })
         .collect();
+    texts.extend(file.surveys.iter().filter_map(survey_warning));
     texts.extend(verify::distant_from_area(spec, &[]));
     texts.extend(world::unit_warnings(spec, world));
     for text in texts {
         note(&format!("warning: {text}"));
     }
+}
+
+/// That a file of airspace or obstacles may not say what was meant.
+fn survey_warning(survey: &Survey) -> Option<String> {
+    let is_empty = [survey.out_of_reach, survey.left_out, survey.open]
+        .iter()
+        .sum::<usize>()
+        + survey.zones.len()
+        + survey.without_area
+        == 0;
+    if survey.exchanged > 0 {
+        let (file, exchanged) = (&survey.file, survey.exchanged);
+        return Some(format!(
+            "{file}: {exchanged} out of reach would be in the area with latitude and longitude exchanged"
+        ));
+    }
+    is_empty.then(|| format!("{}: no zone or obstacle is in it", survey.file))
 }
 
 /// The course of a landing that was found.
@@ -136,13 +156,11 @@ fn described(survey: &Survey) -> Vec<String> {
     let parts: Vec<String> = parts
         .map(|(number, what)| format!("{number} {what}"))
         .collect();
-    let mut lines = vec![format!("  {}: {}", survey.file, parts.join(", "))];
-    if survey.exchanged > 0 {
-        lines.push(format!(
-            "    {} of those out of reach would be in the area with latitude and longitude exchanged",
-            survey.exchanged
-        ));
-    }
+    let found = match parts.is_empty() {
+        true => "nothing".to_owned(),
+        false => parts.join(", "),
+    };
+    let mut lines = vec![format!("  {}: {found}", survey.file)];
     let shown = survey.zones.iter().take(MAX_LISTED);
     lines.extend(shown.map(|id| format!("    {id}")));
     if let Some(more @ 1..) = survey.zones.len().checked_sub(MAX_LISTED) {

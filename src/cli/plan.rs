@@ -87,7 +87,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         return Err(Failure::new(Failure::OUTPUT, message));
     }
     let world = world::load(&file)?;
-    check::warn(&file.spec, &world);
+    check::warn(&file, &world);
     watch.split("read_s");
     let seed = arguments.seed.unwrap_or(file.spec.planner.seed);
     let dispatched = match arguments.within {

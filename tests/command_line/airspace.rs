@@ -219,3 +219,43 @@ fn zones_with_heights_that_no_fence_has_are_one_note_where_they_are_many() {
     );
     assert_eq!(out.matches("not in the fence").count(), 1, "{out}");
 }
+
+/// What the spec itself has exchanged is refused; a feed may hold what is far away, so `plan` warns.
+#[test]
+fn a_feed_that_would_be_in_the_area_with_its_coordinates_exchanged_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let warned = |feed: &str| {
+        fs::write(folder.path().join("zones.yaml"), SPEC).unwrap();
+        fs::write(folder.path().join("feed.json"), feed).unwrap();
+        let planned = sortie(
+            folder.path(),
+            &["plan", "zones.yaml", "--evaluations", "100"],
+        );
+        assert_eq!(planned.status.code(), Some(0));
+        text(&planned.stderr)
+    };
+    let box_at = |corners: [[f64; 2]; 4]| {
+        format!(
+            r#"{{"type": "FeatureCollection", "features": [{{"type": "Feature", "properties": {{"id": "town"}},
+               "geometry": {{"type": "Polygon", "coordinates": [[{:?}, {:?}, {:?}, {:?}, {:?}]]}}}}]}}"#,
+            corners[0], corners[1], corners[2], corners[3], corners[0]
+        )
+    };
+    let corners = [
+        [-84.21, 36.39],
+        [-84.2, 36.39],
+        [-84.2, 36.395],
+        [-84.21, 36.395],
+    ];
+    assert!(!warned(&box_at(corners)).contains("warning: feed.json"));
+    let said = warned(&box_at(corners.map(|[lon, lat]| [lat, lon])));
+    assert!(
+        said.contains("warning: feed.json: 1 out of reach would be in the area with latitude and longitude exchanged"),
+        "{said}"
+    );
+    let said = warned(r#"{"type": "FeatureCollection", "features": []}"#);
+    assert!(
+        said.contains("warning: feed.json: no zone or obstacle is in it"),
+        "{said}"
+    );
+}

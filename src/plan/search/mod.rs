@@ -166,7 +166,8 @@ fn found_among(context: &RouteContext<'_>, splines: Vec<Spline>, evaluations: us
     }
 }
 
-/// The default: horizontal search from homotopy classes, altitude decoded.
+/// The default: horizontal search from homotopy classes, altitude decoded. Fits of detours, beside those
+/// of paths flown alone, may spend more than the budget: nothing is left then.
 fn swarms(
     context: &RouteContext<'_>,
     run: Run<'_>,
@@ -209,8 +210,7 @@ fn swarms(
             given: &seeds,
             redraw: options.redrawing.then_some(&redraw),
         },
-        // The fits beside the paths flown alone may have spent more than there was.
-        run.budget.checked_sub(fitted).unwrap_or(1),
+        run.budget.saturating_sub(fitted),
         &mut rng,
         &|point: TracePoint| {
             (run.watch)(TracePoint {

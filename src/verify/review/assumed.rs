@@ -311,7 +311,7 @@ mod tests {
             "up to 4.5 s more",
             "up to 1.5 s later",
             "after 0.2 of the planned climb, 14 m over it",
-            "with up to 10 s early",
+            "with up to 13.5 s early",
             "else 15 m) at once",
             "is 3.3 s of its climb",
             "with 0.8 of the wind and 21 s of it more",
