@@ -298,7 +298,7 @@ impl Pilot<'_> {
                 self.glide(row, at, height)?;
             }
             Order::Land { at } => {
-                let keeps = self.kept_height(&mission.items[row - 1]);
+                let keeps = self.present_height(&mission.items[row - 1]);
                 self.land(row, at, keeps)?;
             }
             Order::Return => self.return_home(row, mission)?,
@@ -308,7 +308,7 @@ impl Pilot<'_> {
 
     /// The altitude with which a copter flies to a place where it descends: the one that it has, above
     /// the ground where the item has one above terrain (`ModeAuto::shift_alt_to_current_alt`).
-    fn kept_height(&self, item: &Item) -> Height {
+    fn present_height(&self, item: &Item) -> Height {
         let follows = frame::canonical(item.frame) == frame::GLOBAL_TERRAIN_ALT;
         Height::Keep {
             follows: follows && !self.vehicle.airframe.has_wing(),

@@ -18,7 +18,7 @@ impl Pilot<'_> {
         mission: &VehicleMission,
     ) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
-        let keeps = self.kept_height(&mission.items[row - 1]);
+        let keeps = self.present_height(&mission.items[row - 1]);
         let (amsl_m, agl_m) = self.resolve(row, place, keeps)?;
         let changes_kind = self.last().agl_m.is_some() != agl_m.is_some();
         if changes_kind && self.vehicle.facts().stops.between_altitude_kinds {
