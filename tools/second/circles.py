@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .flight import HOLD, RETURN, SAME_M, TO_ALT
+from .l1 import STEP_S, WAY_M
 from .shapes import Height, Line, Point
 
 ORBIT_PIECES = 100  # of half an orbit in wind
@@ -64,20 +65,43 @@ class Circles:
         else:
             toward = math.atan2(*off) - math.copysign(math.asin(rim / away), radius)
             edge = start + math.sqrt(away * away - rim * rim) * direction(toward)
-        first = len(self.motions)
+        first, turned = len(self.motions), self.turned_off(middle)
         self.append(type(last)(self.plane.place(edge), amsl, None, self.speed))
         self.legs(self.speed)
-        self.lay(start, middle, last.amsl, amsl)
-        if self.ardupilot:
-            off = self.level + abs(self.left_of_climb(last, middle, amsl, 0.0))
-            for up in (-off, off):
-                self.lay(start, middle, last.amsl + up, amsl + up)
+        for out in [last, *(self.knot_off(last, at, middle, amsl) for at in turned)]:
+            self.lay(self.flat(out), middle, out.amsl, amsl)
+            if self.ardupilot:
+                off = self.level + abs(self.left_of_climb(out, middle, amsl, 0.0))
+                for up in (-off, off):
+                    self.lay(self.flat(out), middle, out.amsl + up, amsl + up)
         if inside:
             for motion in self.motions[first:]:
                 motion.wide = max(motion.wide, rim + 2 * self.turn_radius)
             for height in (last.amsl, amsl):
                 self.disc(middle, rim + 2 * self.turn_radius, height)
         return last, middle, edge
+
+    def turned_off(self, to):
+        """Places beside the leg to a place from which ArduPlane, once it has turned, flies straight there."""
+        last = self.knots[-1]
+        if not self.ardupilot or len(self.knots) < 2 or math.hypot(*(to - self.flat(last))) <= SAME_M:
+            return []
+        knots = [*self.knots, type(last)(self.plane.place(to), last.amsl, None, last.speed)]
+        flat = [self.flat(knot) for knot in knots]
+        cruise = [self.over_ground(b.speed, (a.amsl + b.amsl) / 2, math.atan2(*(q - p)))
+                  for a, b, p, q in zip(knots, knots[1:], flat, flat[1:])]
+        way = self.law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind, 2 * STEP_S)
+        onto = [(a, b) for a, b, leg, aside in way if leg == len(knots) - 2 and aside > WAY_M]
+        found = [a for a, _ in onto[:1]] + [b for _, b in onto]
+        if found:
+            self.loose = max(self.loose, (2 + self.short) * STEP_S * self.fastest)
+        return found
+
+    def knot_off(self, last, at, middle, amsl):
+        """A knot at a place beside the way from the last one, as high as that way is there."""
+        start = self.flat(last)
+        share = float(np.clip((at - start) @ (middle - start) / ((middle - start) @ (middle - start)), 0, 1))
+        return type(last)(self.plane.place(at), last.amsl + (amsl - last.amsl) * share, None, last.speed)
 
     def left_of_climb(self, last, middle, amsl, rim):
         """What of a climb to the middle is left at the rim, with its lag; negative of a descent."""

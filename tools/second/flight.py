@@ -14,8 +14,8 @@ SAME_M = 0.025
 SLOW_M = 10.0
 # Seconds early and late from the takeoff on.
 FROM_TAKEOFF = {
-    ("ardupilot", "copter"): (0.0, 12.0), ("px4", "copter"): (0.0, 14.0), ("ardupilot", "plane"): (10.0, 0.0),
-    ("px4", "plane"): (10.0, 0.0), ("ardupilot", "vtol"): (4.0, 12.0), ("px4", "vtol"): (0.0, 30.0),
+    ("ardupilot", "copter"): (0.0, 12.0), ("px4", "copter"): (0.0, 14.0), ("ardupilot", "plane"): (13.5, 0.0),
+    ("px4", "plane"): (13.5, 0.0), ("ardupilot", "vtol"): (4.0, 12.0), ("px4", "vtol"): (0.0, 30.0),
 }
 STOP_LATE, PX4_LEG_LATE, CORNER_LATE = 4.5, 1.5, 0.2
 JERK, PX4_TURNING = 1.0, 0.5

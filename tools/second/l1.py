@@ -8,6 +8,7 @@ import numpy as np
 from .flight import G
 
 STEP_S, JUDGED_S = 0.05, 0.5
+WAY_M = 0.5  # a way that is nearer to its legs is not judged
 TURNING_SHARE, BANK_LAG_S = 0.7, 0.5
 INTEGRAL_GAIN, INTEGRAL_RAD, INTEGRAL_WITHIN_RAD = 0.02, 0.1, math.radians(5)
 LEAD_S = 1.0
@@ -71,12 +72,12 @@ class Law:
             gathers = 0.0
         return east, north, -TURNING_SHARE * G * math.tan(bank) / air, (asked - bank) / BANK_LAG_S, gathers
 
-    def follow(self, flat, amsl, speeds, wind):
-        """The way along legs from the first place on the course of the first leg, half a second at a time:
+    def follow(self, flat, amsl, speeds, wind, judged=JUDGED_S):
+        """The way along legs from the first place on the course of the first leg, half a second or so at a time:
         from, to, the leg that it follows at the end, and the furthest from that and the leg before."""
         legs = [Leg(a, b) for a, b in zip(flat, flat[1:])]
         turns = [a.turn(b) for a, b in zip(legs, legs[1:])]
-        return self.fly(legs, turns, amsl, speeds, wind, legs[0].a)
+        return self.fly(legs, turns, amsl, speeds, wind, legs[0].a, judged=judged)
 
     def arrive(self, start, from_place, flat, amsl, speeds, wind):
         """The way of a wing that comes to the first place straight from `start`; where it takes the next leg
@@ -89,7 +90,7 @@ class Law:
         way = self.fly(legs, turns, [amsl[0], *amsl], [speeds[0], *speeds], wind, begin, 1)
         return [(a, b, leg - 1, aside) for a, b, leg, aside in way]
 
-    def fly(self, legs, turns, amsl, speeds, wind, begin, first=0):
+    def fly(self, legs, turns, amsl, speeds, wind, begin, first=0, judged=JUDGED_S):
         blows = (0.0, 0.0)
         if wind:
             clockwise = math.radians(wind["from_deg"])
@@ -118,7 +119,7 @@ class Law:
             if since is not None:
                 steps += 1
                 aside = max(aside, min(line.distance(state[0], state[1]) for line in legs[max(i - 1, 0) : i + 1]))
-                if steps * STEP_S >= JUDGED_S - 1e-9:
+                if steps * STEP_S >= judged - 1e-9:
                     here = state[0], state[1]
                     way.append((np.array(since), np.array(here), i, aside))
                     since, aside, steps = here, 0.0, 0

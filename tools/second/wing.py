@@ -8,7 +8,7 @@ import numpy as np
 from .circles import Circles, parts
 from .earth import A, E2, axes, distance, ecef, geodetic
 from .flight import DELAY, G, HOLD, LAND, RETURN, SPEED, STAY, STOP_LATE, TAKEOFF, TO_ALT, WAYPOINT, Flight, Knot
-from .l1 import STEP_S, Law, air_ratio
+from .l1 import STEP_S, WAY_M, Law, air_ratio
 from .shapes import Arc, Height, Line
 
 TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
@@ -16,7 +16,6 @@ ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
 OFF_M = 0.01  # less than this is no offset
 SMALL_CLIMB_M = 15.0
 CLIMB_OUT_SHARE, OVERSHOOT_M, LATER_SHARE, CARRIED_SHARE = 0.2, 14.0, 0.3, 0.32
-WAY_M = 0.5  # a way of the L1 law that is nearer to its legs is not judged
 
 
 def read_params(path):
@@ -143,8 +142,11 @@ class WingFlight(Circles, Flight):
     def go_home(self):
         """ArduPlane: a circle over home."""
         last, amsl = self.knots[-1], self.home.amsl + self.params["RTL_ALTITUDE"]
+        home = self.flat(self.home)
         if last.amsl < amsl:
-            self.lay(self.flat(last), self.flat(self.home), last.amsl, last.amsl)
+            for at in [self.flat(last), *self.turned_off(home)]:
+                for level in (last.amsl, amsl):
+                    self.lay(at, home, level, level)
         self.stay(self.home.at, amsl, self.params["WP_LOITER_RAD"])
 
     def climb_out(self, item):

@@ -26,7 +26,9 @@
 //! **Onto a circle.** Along the tangent, clockwise where the radius `r` is positive, with the altitude of the
 //! circle at its end; in space as well straight to the middle, of ArduPlane also 6 m, and what is left of the
 //! climb, above and below the two ends of that line. Of a climb of `c` to a middle at a distance `d` is left `c r /
-//! d`, on the line 0, and the lag of `c` in the time that `speed_mps` takes for `d`, of `climb_mps` at most. From
+//! d`, on the line 0, and the lag of `c` in the time that `speed_mps` takes for `d`, of `climb_mps` at most. ArduPlane
+//! does not follow a leg to a circle: the same lines lead to the middle from each place of its L1 way that is more than
+//! 0.5 m beside that leg, at the altitude of the leg abeam; and of a return that climbs level ones at both altitudes. From
 //! within the circle it flies straight out to the rim, from the middle north, and is anywhere within `r + 2 R` at
 //! the altitudes before and after.
 //!

@@ -18,8 +18,9 @@ use crate::verify::measure::segment::{Chord, Phase};
 
 /// Ways nearer to their legs than this are not looked at, metres.
 const TOLERANCE_M: f64 = 0.5;
-/// Steps of the path from one judged point to the next.
+/// Steps of the path from one judged point to the next, and from one straight way off it to the next.
 const EVERY: usize = 10;
+const EVERY_STRAIGHT: usize = 2;
 /// A way is taken to be as far from a chord as it is within this of its time, seconds.
 const WITHIN_S: f64 = 2.0;
 /// Legs after the place at the end of a hull that a wing swings beside.
@@ -118,7 +119,7 @@ impl Pilot<'_> {
         Ok(fixes
             .iter()
             .filter(off)
-            .step_by(EVERY)
+            .step_by(EVERY_STRAIGHT)
             .map(|fix| fix.at)
             .collect())
     }
