@@ -1,7 +1,7 @@
 //! `sortie new`: a commented spec for a place, to begin with.
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::args;
@@ -36,7 +36,15 @@ pub(super) fn run(arguments: &args::New) -> Result<(), Failure> {
     checked(&path, text.clone())?;
     let written = File::create_new(&path).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| {
-        let message = format!("{}: {error}", path.display());
+        let message = match error.kind() {
+            ErrorKind::AlreadyExists => {
+                format!(
+                    "{} is there already, and not replaced (another file: -o FILE)",
+                    path.display()
+                )
+            }
+            _ => format!("{}: {error}", path.display()),
+        };
         Failure::new(Failure::OUTPUT, message)
     })?;
     let shown = path.display();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, mpsc};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -22,7 +22,7 @@ use super::transfer::delivery;
 use super::transfer::delivery::Delivery;
 use super::transfer::upload;
 use super::usage;
-use crate::dispatch::{self, Dispatched, Improving, Stage};
+use crate::dispatch::{self, Dispatched, Improved, Improving, Stage};
 use crate::link::TransferReport;
 use crate::report::{infeasibilities, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
@@ -144,45 +144,50 @@ fn read_spec(arguments: &args::Plan) -> Result<SpecFile, Failure> {
     Ok(file)
 }
 
-/// Plans with more and more evaluations until time is up; the first plan is always made. Prints the
-/// evaluations of the best.
+/// Plans with more and more evaluations until time is up, or Ctrl-C; the first plan is always made.
+/// Prints the evaluations of the best.
 fn plan_within(
     file: &SpecFile,
     world: &World,
     seed: u64,
     within_s: f64,
 ) -> Result<Dispatched, Failure> {
-    let within = Duration::try_from_secs_f64(within_s)
-        .map_err(|error| Failure::new(Failure::USAGE, format!("--within {within_s}: {error}")))?;
+    let within = Duration::from_secs_f64(within_s);
     #[expect(
         clippy::disallowed_methods,
         reason = "the operator asks for a time; the printed evaluations give the same plan again"
     )]
     let started = Instant::now();
     let progress = Progress::start();
-    let cancel = AtomicBool::new(false);
-    let (is_done, done) = mpsc::channel::<()>();
-    let best = thread::scope(|scope| {
-        let mut plans = Improving::new(&file.spec, world, seed, &cancel).without_end();
-        let mut best = plans.next();
-        let left = within.saturating_sub(started.elapsed());
-        let cancel = &cancel;
-        scope.spawn(move || {
-            if done.recv_timeout(left) == Err(mpsc::RecvTimeoutError::Timeout) {
-                cancel.store(true, Ordering::Relaxed);
-            }
-        });
-        for plan in plans {
-            let cost = plan.dispatched.plan.cost();
-            progress.say(&format!(
-                "cost {cost:.3} with {} evaluations",
-                plan.evaluations
-            ));
-            best = Some(plan);
-        }
-        drop(is_done);
-        best
+    let cancel = Arc::new(AtomicBool::new(false));
+    let mut plans = Improving::new(&file.spec, world, seed, &cancel).without_end();
+    let tell = |plan: &Improved| {
+        progress.mark(&format!(
+            "cost {:.3} with {} evaluations for each vehicle; Ctrl-C takes the best plan",
+            plan.dispatched.plan.cost(),
+            plan.evaluations
+        ));
+    };
+    let mut best = plans.next();
+    // There is a plan now: Ctrl-C takes it instead of ending without any.
+    let (interrupt, ended) = mpsc::channel::<()>();
+    ctrlc::set_handler(move || {
+        // The receiver is gone if time is up already.
+        let _ = interrupt.send(());
+    })
+    .map_err(|error| Failure::new(Failure::OUTPUT, format!("Ctrl-C: {error}")))?;
+    let left = within.saturating_sub(started.elapsed());
+    let at_end = Arc::clone(&cancel);
+    thread::spawn(move || {
+        let _ = ended.recv_timeout(left);
+        at_end.store(true, Ordering::Relaxed);
     });
+    best.iter().for_each(&tell);
+    for plan in plans {
+        tell(&plan);
+        best = Some(plan);
+    }
+    drop(progress);
     let best = best.ok_or_else(|| Failure::new(Failure::OUTPUT, "no plan was made"))?;
     note(&format!(
         "{0} evaluations for each vehicle; `--evaluations {0}` gives the same plan",

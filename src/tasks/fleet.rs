@@ -11,7 +11,7 @@ use super::areas::{Layout, SweepLine, lay_out};
 use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Spent, Visit, Way};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::plan::least_lengths_m;
-use crate::spec::{MissionSpec, Stop, Sweep, Task};
+use crate::spec::{MAX_STOPS, MissionSpec, Stop, Sweep, Task};
 use crate::world::World;
 
 /// Parts of a budget.
@@ -339,10 +339,12 @@ impl<'a> Assigner<'a> {
                 endurance.usable(),
                 endurance.capacity.unit()
             ),
-            _ if self.has_window(task) => {
-                "no vehicle has the time in its window, and enough endurance left for it".to_owned()
-            }
-            _ => "no vehicle has enough endurance left for it".to_owned(),
+            _ if self.has_window(task) => format!(
+                "no vehicle has the time in its window, and enough endurance and stops (at most {MAX_STOPS}) left for it"
+            ),
+            _ => format!(
+                "no vehicle has enough endurance and stops (at most {MAX_STOPS}) left for it"
+            ),
         }
     }
 

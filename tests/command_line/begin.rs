@@ -63,6 +63,8 @@ fn a_new_spec_replaces_no_file_and_needs_a_place_and_a_name() {
     fs::write(folder.path().join("mine.yaml"), "precious").unwrap();
     let again = sortie(folder.path(), &["new", "mine", "--at", "47,8"]);
     assert_eq!(again.status.code(), Some(1));
+    let message = text(&again.stderr);
+    assert!(message.contains("mine.yaml is there already"), "{message}");
     let left = fs::read_to_string(folder.path().join("mine.yaml")).unwrap();
     assert_eq!(left, "precious");
     for (arguments, code) in [

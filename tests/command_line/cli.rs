@@ -2,7 +2,8 @@
 
 use crate::support::command;
 use std::fs;
-use std::process::Command;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin;
 use command::{sortie, text};
@@ -622,6 +623,41 @@ fn a_plan_within_some_time_is_made_again_from_the_evaluations_that_it_prints() {
     for name in ["plan.json", "review.json", "alpha.waypoints", "review.html"] {
         let read = |run: &str| fs::read(folder.path().join(run).join(name)).expect("a file");
         assert!(read("a") == read("b"), "{name}");
+    }
+}
+
+#[test]
+fn an_interrupt_within_the_time_of_a_plan_takes_the_best_so_far() {
+    let folder = folder_with(SPEC);
+    let mut process = Command::new(cargo_bin("sortie"))
+        .current_dir(folder.path())
+        .args(["plan", "hop.yaml", "--within", "600", "--out", "a"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("sortie runs");
+    let lines = BufReader::new(process.stderr.take().expect("piped")).lines();
+    let mut lines = lines.map_while(Result::ok);
+    let shown = lines.find(|line| line.contains("Ctrl-C takes the best"));
+    assert!(shown.is_some(), "it says how far it is");
+    let interrupt = Command::new("kill")
+        .args(["-INT", &process.id().to_string()])
+        .status();
+    assert!(interrupt.expect("kill runs").success());
+    let said = lines.last().expect("the evaluations of the best");
+    assert!(said.contains("gives the same plan"), "{said}");
+    assert_eq!(process.wait().expect("it ends").code(), Some(0));
+    assert!(folder.path().join("a/plan.json").exists());
+}
+
+#[test]
+fn a_time_to_plan_for_that_is_none_is_wrong_usage() {
+    let folder = folder_with(SPEC);
+    for seconds in ["nan", "-1", "inf", "1e9"] {
+        let refused = sortie(folder.path(), &["plan", "hop.yaml", "--within", seconds]);
+        let message = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(2), "{seconds}: {message}");
+        assert!(message.contains("from 0 to 3e7"), "{seconds}: {message}");
     }
 }
 

@@ -141,8 +141,8 @@ pub(super) struct Plan {
     /// Objective evaluations of each vehicle instead of the spec's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) evaluations: Option<u32>,
-    /// Plan with more and more evaluations for this time, and take the best plan
-    #[arg(long, value_name = "SECONDS", conflicts_with = "evaluations")]
+    /// Plan with more and more evaluations for this time, or until Ctrl-C, and take the best plan
+    #[arg(long, value_name = "SECONDS", conflicts_with = "evaluations", value_parser = seconds, allow_negative_numbers = true)]
     pub(super) within: Option<f64>,
     /// Transfer to every vehicle's link; nothing is sent unless the whole fleet passes
     #[arg(long)]
@@ -306,6 +306,12 @@ fn finite(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|value: &f64| value.is_finite())
         .ok_or_else(|| "not a number".to_owned())
+}
+
+/// A time to plan for, seconds: to a year.
+fn seconds(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|s| (0.0..=3e7).contains(s));
+    found.ok_or_else(|| "not a number from 0 to 3e7".to_owned())
 }
 
 fn place(text: &str) -> Result<Place, String> {

@@ -1,14 +1,21 @@
-//! Progress on a terminal; none when piped.
+//! Progress: a line that changes on a terminal, now and then a line where stderr is piped.
 
-use std::time::Duration;
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::console::shown;
+use super::console::{note, shown};
 
-/// A line on stderr with the current step. Hidden unless stderr is a terminal.
+/// Between two lines where stderr is no terminal.
+const PIPED: Duration = Duration::from_secs(10);
+
+/// The current step, on stderr.
 pub(crate) struct Progress {
     bar: ProgressBar,
+    /// When the last line went into a pipe.
+    piped: Option<Mutex<Instant>>,
 }
 
 impl Progress {
@@ -19,12 +26,37 @@ impl Progress {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(120));
-        Self { bar }
+        let piped = (!std::io::stderr().is_terminal()).then(|| Mutex::new(now()));
+        Self { bar, piped }
     }
 
+    /// A step among many: into a pipe it goes only when nothing went there for a while.
     pub(crate) fn say(&self, message: &str) {
         self.bar.set_message(shown(message).into_owned());
+        let Some(Ok(mut last)) = self.piped.as_ref().map(Mutex::lock) else {
+            return;
+        };
+        if last.elapsed() >= PIPED {
+            *last = now();
+            note(message);
+        }
     }
+
+    /// A step that everybody wants to know of.
+    pub(crate) fn mark(&self, message: &str) {
+        self.bar.set_message(shown(message).into_owned());
+        if self.piped.is_some() {
+            note(message);
+        }
+    }
+}
+
+#[expect(
+    clippy::disallowed_methods,
+    reason = "how often somebody who waits reads a line; no result depends on it"
+)]
+fn now() -> Instant {
+    Instant::now()
 }
 
 impl Drop for Progress {
