@@ -309,8 +309,7 @@ impl Pilot<'_> {
                 self.glide(row, at, height)?;
             }
             Order::Land { at } => {
-                let keeps = self.present_height(&mission.items[row - 1]);
-                self.land(row, at, keeps)?;
+                self.land(row, at, self.present_height(&mission.items[row - 1]))?;
             }
             Order::Return => self.return_home(row, mission)?,
         }
