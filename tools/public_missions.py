@@ -34,6 +34,9 @@ SOURCES = [
     ("before any takeoff (allowed: command 22, 84", ("copter",), "ArduCopter/mode_auto.cpp ModeAuto::init"),
     ("before any takeoff (allowed: command 22 (", ("plane",), "ArduPlane/servos.cpp Plane::suppress_throttle"),
     ("before any takeoff (allowed: command 84 (", ("vtol",), "ArduPlane/mode_auto.cpp ModeAuto::_pre_arm_checks"),
+    ("item 1 on: no takeoff", ("copter",), "ArduCopter/mode_auto.cpp ModeAuto::init"),
+    ("home row: command", ANY, "AP_Mission/AP_Mission.cpp AP_Mission::write_home_to_storage"),
+    (": airspeed: ", ("plane", "vtol"), "ArduPlane/commands_logic.cpp Plane::do_change_speed"),
     ("the vehicle repeats the mission", ANY, "AP_Mission/AP_Mission.cpp AP_Mission::get_next_cmd"),
     ("the vehicle stays at item", ("copter",), "ArduCopter/mode_auto.cpp ModeAuto::verify_loiter_unlimited"),
     ("the vehicle stays at item", ("plane", "vtol"), "ArduPlane/commands_logic.cpp Plane::verify_loiter_unlim"),
@@ -58,9 +61,14 @@ def repositories(clones):
                 break
 
 
+def is_json(path, content):
+    return path.lower().endswith(".plan") or path.lower().endswith(".mission") and content.lstrip()[:1] == b"{"
+
+
 def is_mission(path, content):
-    if path.lower().endswith(".plan"):
-        return b'"mission"' in content and b'"fileType"' in content
+    if is_json(path, content):
+        parts = (b'"items"', b'"plannedHomePosition"') if path.lower().endswith(".mission") else (b'"mission"', b'"fileType"')
+        return all(part in content for part in parts)
     return content.lstrip(b"\xef\xbb\xbf").startswith(b"QGC WPL")
 
 
@@ -169,7 +177,7 @@ def main():
             row = known.get((name, path))
             if not options.write and row is None:
                 continue
-            file = pathlib.Path(folder) / ("m.plan" if path.lower().endswith(".plan") else "m.waypoints")
+            file = pathlib.Path(folder) / ("m.plan" if is_json(path, content) else "m.waypoints")
             file.write_bytes(content)
             flags = row[3].split() if row and not options.write else []
             flags, outcome, reason, source = judge(options.sortie, file, content, flags)

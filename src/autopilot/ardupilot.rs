@@ -46,6 +46,13 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
         command::NAV_LOITER_TURNS,
         command::NAV_SPLINE_WAYPOINT,
         command::NAV_PAYLOAD_PLACE,
+        command::NAV_VTOL_TAKEOFF,
+        // Without a place of their own (`AP_Mission::get_landing_sequence_start`,
+        // `Location::initialised`).
+        command::DO_RETURN_PATH_START,
+        command::DO_LAND_START,
+        command::DO_SET_ROI_LOCATION,
+        command::DO_SET_ROI,
     ],
     any_nan: false,
     // Altitudes are 24 bit centimetres.
@@ -68,7 +75,16 @@ const PLANE_ACCEPTANCE: Acceptance = Acceptance {
     // `ModeAuto::verify_nav_delay` returns at once when armed.
     never_waits: true,
     whole_numbers: true,
-    here: &[command::NAV_TAKEOFF, command::NAV_LAND],
+    // A QuadPlane climbs where it is, whatever the place says (`QuadPlane::do_vtol_takeoff`).
+    here: &[
+        command::NAV_TAKEOFF,
+        command::NAV_LAND,
+        command::NAV_VTOL_TAKEOFF,
+        command::DO_RETURN_PATH_START,
+        command::DO_LAND_START,
+        command::DO_SET_ROI_LOCATION,
+        command::DO_SET_ROI,
+    ],
     ..COPTER_ACCEPTANCE
 };
 

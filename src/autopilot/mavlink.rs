@@ -24,6 +24,8 @@ pub mod command {
     pub const NAV_VTOL_TAKEOFF: u16 = 84;
     /// Stop flying on the wing, and land vertically.
     pub const NAV_VTOL_LAND: u16 = 85;
+    /// Hand over to another computer.
+    pub const NAV_GUIDED_ENABLE: u16 = 92;
     /// Wait, on the ground or in the air.
     pub const NAV_DELAY: u16 = 93;
     /// Descend until the payload stands, and release it.
@@ -44,10 +46,14 @@ pub mod command {
     pub const DO_SET_RELAY: u16 = 181;
     /// Set the pulse of a servo.
     pub const DO_SET_SERVO: u16 = 183;
+    /// Where a return along the mission begins.
+    pub const DO_RETURN_PATH_START: u16 = 188;
     /// Where a landing sequence begins.
     pub const DO_LAND_START: u16 = 189;
     /// Point camera or nose at a place.
     pub const DO_SET_ROI_LOCATION: u16 = 195;
+    /// Point camera or nose at a place, or at none.
+    pub const DO_SET_ROI: u16 = 201;
     /// No longer point at a place.
     pub const DO_SET_ROI_NONE: u16 = 197;
     /// Take pictures at a distance from each other.

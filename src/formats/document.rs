@@ -19,6 +19,9 @@ pub struct Document {
     /// Where the vehicle stands, if the file gives the place without an altitude above
     /// mean sea level; [`Document::home`] is `None` then. See [`Document::home_on`].
     pub home_place: Option<LatLon>,
+    /// The command of the first item, if that stands in the row of home: ArduPilot puts its home there
+    /// and never flies it.
+    pub in_home_row: Option<u16>,
     /// Mission items; home is not among them.
     pub items: Vec<Item>,
     /// Fence items.

@@ -1,7 +1,8 @@
-//! QGroundControl's `.plan`: JSON with mission, fence and rally points.
+//! QGroundControl's `.plan`: JSON with mission, fence and rally points; and its `.mission`.
 
 mod dropped;
 mod landing_pattern;
+mod mission_alone;
 mod node;
 mod read;
 mod unique_keys;

@@ -5,6 +5,7 @@ mod support;
 
 mod airframes;
 mod commanded_places;
+mod commands_without_spec;
 mod convert_command;
 mod formats_corpus;
 mod formats_golden;

@@ -180,6 +180,7 @@ fn a_spline_whose_end_is_not_known_is_not_judged() {
         }),
         ("a spline, and the item after it is not known", &|m| {
             m.items[3].command = 92;
+            m.items[3].params[0] = 1.0;
         }),
         ("altitude is NaN", &|m| m.items[2].z = f32::NAN),
     ];

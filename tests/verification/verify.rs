@@ -694,7 +694,10 @@ fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
         margin.note
     };
     let cases: [(&str, usize, Change<'_>); 9] = [
-        ("NAV_GUIDED_ENABLE", 4, &|m| m.items[3].command = 92),
+        ("NAV_GUIDED_ENABLE", 4, &|m| {
+            m.items[3].command = 92;
+            m.items[3].params[0] = 1.0;
+        }),
         // The emergency stop of the motors.
         ("DO_AUX_FUNCTION 31", 4, &|m| {
             let stop = [31.0, 2.0, 0.0, 0.0];

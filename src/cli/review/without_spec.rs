@@ -2,6 +2,7 @@
 //! so that the same verdict judges them.
 
 mod airframe;
+mod airspeeds;
 mod assumed;
 mod flags;
 mod given;
@@ -19,7 +20,7 @@ use crate::spec::{
     Airframe, Autopilot, Builder, EndPoint, Finish, MissionSpec, Placement, Separation, Vehicle,
     keys,
 };
-use crate::verify::Margin;
+use crate::verify::{Limit, Margin};
 use crate::world::{Bounds, Terrain, World, read_terrain};
 
 use airframe::airframe;
@@ -62,12 +63,13 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     let mut assumed = Vec::new();
     let corners = around_positions(&subjects);
     let mut whole: Option<(MissionSpec, String)> = None;
-    let mut vehicles = Vec::new();
-    let mut missions = Vec::new();
+    let (mut vehicles, mut missions) = (Vec::new(), Vec::new());
+    let mut failed = Vec::new();
     for (index, subject) in subjects.into_iter().enumerate() {
         let autopilot = autopilot(&subject, limits, &mut assumed);
         let airframe = airframe(&subject, limits, &mut assumed)?;
         let who = (autopilot, airframe);
+        failed.extend(in_home_row(&subject, autopilot));
         let params = params(&subject)?;
         let speed_mps = speed_mps(&subject.document, &params, who, limits);
         let prototype = prototype(corners, who, speed_mps, limits);
@@ -86,6 +88,8 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
                 assumed::takeoff_heading(&mut vehicle, &mission, &mut assumed);
             }
             assumed::returns(&vehicle, &mut mission, limits, &mut assumed);
+            airspeeds::limit(&mut mission, &vehicle.id, &mut assumed);
+            failed.extend(airspeeds::beyond_limits(&mission, &vehicle.id));
             vehicles.push(vehicle);
             missions.push((index, mission));
         }
@@ -101,7 +105,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         let vehicle = (*index, &spec.vehicles[*index]);
         assumed::begin_in_air(vehicle, mission, &mut world, limits, &mut assumed)
     };
-    let failed = missions.iter().filter_map(&mut begin).collect();
+    failed.extend(missions.iter().filter_map(&mut begin));
     Ok(WithoutSpec {
         failed,
         spec,
@@ -110,6 +114,18 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         missions,
         assumed,
     })
+}
+
+/// The margin that fails where the first item stands in the row of home (`AP_Mission`: the first
+/// command is home, whatever is sent).
+fn in_home_row(subject: &Subject, autopilot: Autopilot) -> Option<Margin> {
+    let command = subject.document.in_home_row?;
+    let why = format!(
+        "mission item 1: home row: command {command} stands in row 0, which ArduPilot takes for home: \
+         never flown (allowed: a home row before it); judged as flown"
+    );
+    let is_lost = autopilot == Autopilot::ArduPilot;
+    is_lost.then(|| Margin::unjudged(&subject.id, Limit::Acceptance, why))
 }
 
 /// The corners of a box around all positions.
@@ -268,13 +284,19 @@ fn speed_mps(
             && item.place().is_some()
             && !takeoffs.contains(&item.command)
     };
-    let before = document.items.iter().take_while(|item| !flies(item));
-    let changes = before.filter(|item| item.command == command::DO_CHANGE_SPEED);
+    let before = document
+        .items
+        .iter()
+        .take_while(|item| !flies(item))
+        .count();
+    let changes = airspeeds::changes(&document.items, who)
+        .take_while(|(index, _)| *index < before)
+        .map(|(_, item)| item);
     let held = |name: &str| mission::value_si_of(params, name);
     let [least, most] = defaults.speed_parameters;
     let least_mps = least.and_then(held).unwrap_or(0.0);
     let most_mps = most.and_then(held).unwrap_or(100.0);
-    let in_mission = { changes }
+    let in_mission = changes
         .map(|item| f64::from(item.params[1]))
         .find(|mps| (0.5..=100.0).contains(mps) && (least_mps..=most_mps.min(100.0)).contains(mps));
     let cruise = held(defaults.cruise_parameter).filter(|mps| (0.5..=100.0).contains(mps));

@@ -34,6 +34,9 @@ const ITEM: &[&str] = &[
     "Altitude",
     "AMSLAltAboveTerrain",
 ];
+/// Besides these, in a file that holds a mission alone.
+const MISSION_ALONE: &[&str] = &["fileType", "groundStation", "MAV_AUTOPILOT", "complexItems"];
+const ITEM_ALONE: &[&str] = &["id", "coordinate", "param1", "param2", "param3", "param4"];
 const FENCE: &[&str] = &["version", "polygons", "circles", "breachReturn"];
 const POLYGON: &[&str] = &["version", "inclusion", "polygon"];
 const CIRCLE: &[&str] = &["version", "inclusion", "circle"];
@@ -50,6 +53,14 @@ pub(super) fn of(plan: &Value) -> Vec<String> {
     dropped.mission(&plan["mission"]);
     dropped.fence(&plan["geoFence"]);
     dropped.keys("rallyPoints", &plan["rallyPoints"], RALLY);
+    dropped.notes
+}
+
+/// The dropped content of a file that holds a mission alone.
+pub(super) fn of_mission_alone(mission: &Value) -> Vec<String> {
+    let mut dropped = Dropped::default();
+    dropped.keys("", mission, &[MISSION, MISSION_ALONE].concat());
+    dropped.content("", mission, &[ITEM, ITEM_ALONE].concat());
     dropped.notes
 }
 
@@ -73,10 +84,15 @@ impl Dropped {
 
     fn mission(&mut self, mission: &Value) {
         self.keys("mission", mission, MISSION);
+        self.content("mission.", mission, ITEM);
+    }
+
+    /// What a mission holds beside unknown keys, its path with a dot.
+    fn content(&mut self, path: &str, mission: &Value, known: &[&str]) {
         for key in ["cruiseSpeed", "hoverSpeed"] {
             if let Some(speed_mps) = mission[key].as_f64() {
                 self.notes.push(format!(
-                    "mission.{key} {speed_mps}: the ground station's for its estimate of time"
+                    "{path}{key} {speed_mps}: the ground station's for its estimate of time"
                 ));
             }
         }
@@ -85,11 +101,11 @@ impl Dropped {
             .filter(|kind| !KINDS.contains(kind))
         {
             self.notes.push(format!(
-                "mission.vehicleType {kind}: one type stands for all of its kind"
+                "{path}vehicleType {kind}: one type stands for all of its kind"
             ));
         }
         for (index, item) in list(&mission["items"]) {
-            let at = format!("mission.items[{index}]");
+            let at = format!("{path}items[{index}]");
             if item["type"] == "ComplexItem" {
                 let flown = &item["TransectStyleComplexItem"]["Items"];
                 let kind = item["complexItemType"].as_str().unwrap_or("complex item");
@@ -101,19 +117,17 @@ impl Dropped {
                     "{at}: what the {kind} was drawn from; its {count} flown items are kept"
                 ));
                 for (inner, item) in list(flown) {
-                    self.item(
-                        &format!("{at}.TransectStyleComplexItem.Items[{inner}]"),
-                        item,
-                    );
+                    let at = format!("{at}.TransectStyleComplexItem.Items[{inner}]");
+                    self.item(&at, item, known);
                 }
             } else {
-                self.item(&at, item);
+                self.item(&at, item, known);
             }
         }
     }
 
-    fn item(&mut self, at: &str, item: &Value) {
-        self.keys(at, item, ITEM);
+    fn item(&mut self, at: &str, item: &Value, known: &[&str]) {
+        self.keys(at, item, known);
         if item["AltitudeMode"].as_u64() == Some(altitude_mode::CALCULATED) {
             self.notes.push(format!(
                 "{at}.AltitudeMode: drawn above terrain, kept as the altitude that is flown"

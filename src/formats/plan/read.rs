@@ -2,17 +2,18 @@
 
 use serde_json::Value;
 
+use super::mission_alone::Form;
 use super::node::Node;
 use super::unique_keys::UniqueKeys;
 use super::{FIRMWARE, airframe, altitude_mode};
-use super::{dropped, landing_pattern};
+use super::{dropped, landing_pattern, mission_alone};
 use crate::formats::document::{point_item, raised_item};
 use crate::formats::{Document, FormatError, Repair, SourceLocation};
 use crate::geodesy::LatLon;
 use crate::mission::{Home, Item, command, frame};
 
-/// Reads a mission with its fence and rally points. Unknown keys end in
-/// [`Document::dropped`].
+/// Reads a mission with its fence and rally points, or the mission of a `.mission` file. Unknown keys
+/// end in [`Document::dropped`].
 ///
 /// Of a complex item its flown items are read (surveys and corridors). Landing patterns hold none:
 /// those that QGroundControl sends are made. Structure scans are rejected.
@@ -33,6 +34,9 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
         at: String::new(),
         item: None,
     };
+    if mission_alone::is_one(&plan) {
+        return of_mission_alone(&root);
+    }
     if root.value["fileType"] != "Plan" {
         return Err(root.get("fileType").bad("\"Plan\""));
     }
@@ -63,6 +67,19 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     Ok(document)
 }
 
+/// The mission of a file that holds nothing else.
+fn of_mission_alone(root: &Node<'_>) -> Result<Document, FormatError> {
+    let form = mission_alone::form(root)?;
+    let mut document = Document {
+        dropped: dropped::of_mission_alone(root.value),
+        ..Document::default()
+    };
+    kind(root, form.firmware, &mut document);
+    home(&form.home(root), &mut document)?;
+    items(root, &form, &mut document)?;
+    Ok(document)
+}
+
 fn repair(path: &str, what: &str) -> Repair {
     Repair {
         at: SourceLocation::Json(path.to_owned()),
@@ -79,21 +96,20 @@ fn without_place(error: &serde_json::Error) -> String {
 
 fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
     node.get("version").expect_version(2)?;
-    let firmware = node.get("firmwareType").value.as_u64();
-    document.autopilot = FIRMWARE
-        .iter()
-        .find(|(number, _)| Some(*number) == firmware)
-        .map(|&(_, autopilot)| autopilot);
-    kind(node, document);
+    kind(node, Form::PLAN.firmware, document);
     home(&node.get("plannedHomePosition"), document)?;
-    // Each item with its doJumpId, in the order of rows.
+    items(node, &Form::PLAN, document)
+}
+
+fn items(node: &Node<'_>, form: &Form, document: &mut Document) -> Result<(), FormatError> {
+    // Each item with the id that jumps name, in the order of rows.
     let mut rows = Vec::new();
     for (index, mut item) in node.get("items").list()?.into_iter().enumerate() {
         item.item = Some(index + 1);
         match item.value["type"].as_str() {
-            Some("SimpleItem") => {
+            Some(name) if form.simple.contains(&name) => {
                 let read = simple_item(&item, document)?;
-                rows.push((item.value["doJumpId"].as_u64(), read));
+                rows.push((item.value[form.id].as_u64(), read));
             }
             Some("ComplexItem") => {
                 if let Some(items) = landing_pattern::items(&item)? {
@@ -112,12 +128,12 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
                     rows.push((inner.value["doJumpId"].as_u64(), read));
                 }
             }
-            _ => return Err(item.get("type").bad("SimpleItem or ComplexItem")),
+            _ => return Err(item.get("type").bad(form.types)),
         }
     }
     let ids: Vec<Option<u64>> = rows.iter().map(|(id, _)| *id).collect();
     for (_, item) in rows {
-        document.items.push(resolved(item, &ids, node)?);
+        document.items.push(resolved(item, &ids, form, node)?);
     }
     Ok(())
 }
@@ -150,25 +166,40 @@ fn home(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
 }
 
 /// The autopilot and airframe of the mission; a repair for each that is not supported.
-fn kind(node: &Node<'_>, document: &mut Document) {
-    let firmware = node.get("firmwareType").value;
-    if !firmware.is_null() && document.autopilot.is_none() {
-        document.repairs.push(repair("mission.firmwareType", &format!(
-            "{firmware} is neither ArduPilot (3) nor PX4 (12): read as for whatever it is judged for"
-        )));
+fn kind(node: &Node<'_>, firmware: &str, document: &mut Document) {
+    let firmware = node.get(firmware);
+    document.autopilot = FIRMWARE
+        .iter()
+        .find(|(number, _)| Some(*number) == firmware.value.as_u64())
+        .map(|&(_, autopilot)| autopilot);
+    if !firmware.value.is_null() && document.autopilot.is_none() {
+        document.repairs.push(repair(
+            &firmware.at,
+            &format!(
+                "{} is neither ArduPilot (3) nor PX4 (12): read as for whatever it is judged for",
+                firmware.value
+            ),
+        ));
     }
-    let vehicle = node.get("vehicleType").value;
+    let Node {
+        value: vehicle, at, ..
+    } = node.get("vehicleType");
     document.airframe = vehicle.as_u64().and_then(airframe);
     if !vehicle.is_null() && document.airframe.is_none() {
         let what = format!(
             "{vehicle} is no multicopter, fixed wing or VTOL: read as for whatever it is judged for"
         );
-        document.repairs.push(repair("mission.vehicleType", &what));
+        document.repairs.push(repair(&at, &what));
     }
 }
 
-/// DO_JUMP names a `doJumpId`; the document has rows.
-fn resolved(mut item: Item, ids: &[Option<u64>], node: &Node<'_>) -> Result<Item, FormatError> {
+/// DO_JUMP names a `doJumpId` or `id`; the document has rows.
+fn resolved(
+    mut item: Item,
+    ids: &[Option<u64>],
+    form: &Form,
+    node: &Node<'_>,
+) -> Result<Item, FormatError> {
     if item.command != command::DO_JUMP {
         return Ok(item);
     }
@@ -191,7 +222,7 @@ fn resolved(mut item: Item, ids: &[Option<u64>], node: &Node<'_>) -> Result<Item
                 "a jump to item {target}: the file has {} of that id",
                 rows.len()
             ),
-            allowed: "a doJumpId of the file".to_owned(),
+            allowed: form.target.to_owned(),
         });
     };
     item.params[0] = f32::from(row);
@@ -200,10 +231,7 @@ fn resolved(mut item: Item, ids: &[Option<u64>], node: &Node<'_>) -> Result<Item
 
 fn simple_item(node: &Node<'_>, document: &mut Document) -> Result<Item, FormatError> {
     let frame: u8 = node.get("frame").unsigned("0 to 255")?;
-    let params = node.get("params").list()?;
-    let [a, b, c, d, x, y, z] = params.as_slice() else {
-        return Err(node.get("params").bad("a list of 7 numbers"));
-    };
+    let [a, b, c, d, x, y, z] = mission_alone::numbers(node)?;
     let item = Item {
         command: node.get("command").unsigned("0 to 65535")?,
         frame,

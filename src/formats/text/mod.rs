@@ -39,6 +39,9 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<&str, FormatError> {
     }
 }
 
+/// Fields of a row of a mission.
+const FIELDS: usize = 12;
+
 /// Splits a text into lines and fields and records every repair.
 #[derive(Default)]
 pub(super) struct TextReader {
@@ -90,7 +93,7 @@ impl TextReader {
     }
 
     /// Splits at tabs, else at commas, else at spaces; at tabs and spaces alike if a row
-    /// has both between its fields.
+    /// has both between its fields, or is aligned with runs of tabs.
     pub(super) fn fields<'a>(
         &mut self,
         number: usize,
@@ -102,7 +105,12 @@ impl TextReader {
             Some(separator) => data.split(separator).collect(),
             None => data.split_whitespace().collect(),
         };
-        if let Some(part) = parts.iter().find(|part| part.trim().is_empty()) {
+        let has_spaces_too = |part: &&str| part.trim().contains(char::is_whitespace);
+        let at_spaces_too = separator == Some('\t') && parts.iter().any(has_spaces_too);
+        let is_aligned =
+            separator == Some('\t') && is_aligned(data, at_spaces_too || parts.len() > FIELDS);
+        let blank = parts.iter().find(|part| part.trim().is_empty());
+        if let Some(part) = blank.filter(|_| !is_aligned) {
             let Field { column, .. } = field(number, line, part);
             return Err(FormatError::Text {
                 line: number,
@@ -111,16 +119,15 @@ impl TextReader {
                 allowed: "a number".to_owned(),
             });
         }
-        let has_spaces_too = |part: &&str| part.trim().contains(char::is_whitespace);
-        let fields: Vec<Field<'_>> = if separator == Some('\t') && parts.iter().any(has_spaces_too)
-        {
+        let is_split_anywhere = at_spaces_too || (is_aligned && blank.is_some());
+        let fields: Vec<Field<'_>> = if is_split_anywhere {
             self.words(number, data)
         } else {
             let parts = parts.iter().map(|part| field(number, line, part.trim()));
             parts.collect()
         };
         // A comma between decimals would make two fields of one number.
-        if let Some(extra) = fields.get(12).filter(|_| separator == Some(',')) {
+        if let Some(extra) = fields.get(FIELDS).filter(|_| separator == Some(',')) {
             return Err(FormatError::Text {
                 line: number,
                 column: extra.column,
@@ -128,7 +135,7 @@ impl TextReader {
                 allowed: "12 fields, with a point before decimals".to_owned(),
             });
         }
-        let is_tidy = separator == Some('\t') && !data.contains(' ');
+        let is_tidy = separator == Some('\t') && !data.contains(' ') && !is_split_anywhere;
         if !is_tidy && !self.reported_separator {
             self.reported_separator = true;
             self.repair(number, 1, "fields are not separated by single tabs");
@@ -144,6 +151,13 @@ impl TextReader {
         self.repair(number, column, "a comment was left out");
         data
     }
+}
+
+/// Whether the columns of a row are aligned with more than one tab between fields: it has as many
+/// words as a mission has fields, and more tabs, or other gaps, than those need. What separates them
+/// is one gap to Mission Planner and MAVProxy. With one tab each, a gap is a field that was lost.
+fn is_aligned(data: &str, has_more_gaps: bool) -> bool {
+    has_more_gaps && data.split_whitespace().count() == FIELDS
 }
 
 /// A part of a line with its column.

@@ -182,6 +182,7 @@ impl Reader {
                     item.command
                 );
                 self.repair(line, column, what);
+                self.document.in_home_row = (sequence == 0).then_some(item.command);
             }
             // Its own number shows whether a home row was counted.
             self.rows = usize::from(sequence == 1);

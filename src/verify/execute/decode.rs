@@ -1,6 +1,7 @@
 //! The orders of a mission in the sequence in which the autopilot executes them.
 
-use super::item::{self, Order};
+use super::copter;
+use super::item::Order;
 use super::jumps::{Jumps, Next, is_jump, jump};
 use super::wing::items;
 use crate::autopilot::Autopilot;
@@ -131,7 +132,7 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
         let order = if mission.airframe.has_wing() {
             items::read(item, mission, home)
         } else {
-            item::read(item, mission.autopilot, home)
+            copter::read(item, mission.autopilot, home)
         };
         match order {
             Ok(order) => steps.push(Step { row, order }),

@@ -218,6 +218,7 @@ impl Pilot<'_> {
         }
         match step.order {
             Order::Nothing => {}
+            Order::Speed { .. } | Order::OwnSpeed if self.is_on_rotors(mission) => {}
             Order::Speed { speed_mps } => {
                 self.speed_mps = Some(within_speeds_mps(mission, speed_mps));
             }
@@ -245,6 +246,14 @@ impl Pilot<'_> {
         Ok(())
     }
 
+    /// Whether a change of speed is one of the rotors: until its takeoff is over a VTOL of PX4 is on them
+    /// (`Navigator::set_cruising_speed`).
+    fn is_on_rotors(&self, mission: &VehicleMission) -> bool {
+        let is_px4_vtol =
+            mission.autopilot == Autopilot::Px4 && self.vehicle.airframe == Airframe::Vtol;
+        is_px4_vtol && !self.airborne
+    }
+
     /// Obeys an order that moves a vehicle in the air.
     fn navigate(
         &mut self,
@@ -257,8 +266,10 @@ impl Pilot<'_> {
             Order::Nothing
             | Order::Speed { .. }
             | Order::OwnSpeed
+            | Order::OnWing
             | Order::Wait { .. }
             | Order::Takeoff { .. } => {}
+            Order::Stop => self.stop()?,
             Order::Fly { at, height, hold_s } => {
                 self.turns_by_itself(row, &mission.items[row - 1])?;
                 self.head_for(row, self.or_here(at), height)?;
@@ -298,8 +309,7 @@ impl Pilot<'_> {
                 self.glide(row, at, height)?;
             }
             Order::Land { at } => {
-                let keeps = self.present_height(&mission.items[row - 1]);
-                self.land(row, at, keeps)?;
+                self.land(row, at, self.present_height(&mission.items[row - 1]))?;
             }
             Order::Return => self.return_home(row, mission)?,
         }

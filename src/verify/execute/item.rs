@@ -84,6 +84,10 @@ pub(crate) enum Order {
     Speed { speed_mps: f64 },
     /// From now on the speed of its parameters again.
     OwnSpeed,
+    /// Stop in the air and go on.
+    Stop,
+    /// Fly on its wing, as it does already.
+    OnWing,
     /// Nothing that moves the vehicle.
     Nothing,
 }

@@ -54,6 +54,13 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         // Over at once: the rules of acceptance refuse it.
         command::NAV_DELAY if mission.facts().acceptance.never_waits => Ok(Order::Nothing),
         command::DO_CHANGE_SPEED => speed(item, mission, home),
+        // `QuadPlane::handle_do_vtol_transition`, `MissionBlock::is_mission_item_reached_or_completed`:
+        // on its wing it is in that state already.
+        command::DO_VTOL_TRANSITION
+            if mission.airframe == Airframe::Vtol && is_forward_flight(item) =>
+        {
+            Ok(Order::OnWing)
+        }
         _ => item::read(item, autopilot, home),
     }
 }
@@ -98,9 +105,19 @@ fn waypoint(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, 
     })
 }
 
+/// Whether a transition is one to `MAV_VTOL_STATE_FW`.
+fn is_forward_flight(item: &Item) -> bool {
+    (item.params[0].trunc() - 4.0).abs() < 0.5
+}
+
 fn speed(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
     let [kind, airspeed_mps, ..] = item.params.map(f64::from);
-    if kind.trunc().abs() > 0.5 {
+    // PX4 takes a ground speed for an airspeed (`Navigator::run`, VEHICLE_CMD_DO_CHANGE_SPEED).
+    let airspeeds = match mission.autopilot {
+        Autopilot::ArduPilot => 0.5,
+        Autopilot::Px4 => 1.5,
+    };
+    if kind.trunc().abs() > airspeeds {
         return Err(format!(
             "DO_CHANGE_SPEED of kind {kind} does not set the airspeed"
         ));
