@@ -6,6 +6,7 @@ mod support;
 mod airspeed;
 mod altitudes_and_endurance;
 mod buffers;
+mod campaign;
 mod copter_corners;
 mod curves;
 mod domes;

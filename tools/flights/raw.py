@@ -57,6 +57,14 @@ def set_parameter(link, name, value):
 
 
 def fly_copter(address, rows, parameters, most_s):
+    fly("copter", address, rows, parameters, most_s)
+
+
+# The numbers of the modes to arm in and to fly the mission in.
+MODES = {"copter": (4, 3), "plane": (5, 10)}
+
+
+def fly(kind, address, rows, parameters, most_s):
     """Flies until it has landed or so many seconds of its own time have passed since its start."""
     link = connect(address)
     for name, value in parameters.items():
@@ -68,10 +76,12 @@ def fly_copter(address, rows, parameters, most_s):
         if status and status.onboard_control_sensors_health & ready and status.onboard_control_sensors_present & ready:
             break
     upload(link, rows)
-    command(link, MAV.MAV_CMD_DO_SET_MODE, 1, 4)
+    armed_in, auto = MODES[kind]
+    command(link, MAV.MAV_CMD_DO_SET_MODE, 1, armed_in)
     command(link, MAV.MAV_CMD_COMPONENT_ARM_DISARM, 1)
-    command(link, MAV.MAV_CMD_DO_SET_MODE, 1, 3)
-    command(link, MAV.MAV_CMD_MISSION_START)
+    command(link, MAV.MAV_CMD_DO_SET_MODE, 1, auto)
+    if kind == "copter":
+        command(link, MAV.MAV_CMD_MISSION_START)
     began = None
     while True:
         message = link.recv_match(type=["GLOBAL_POSITION_INT", "HEARTBEAT"], blocking=True, timeout=10)

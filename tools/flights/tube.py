@@ -120,10 +120,13 @@ def compare(tube, truth, buffer_m, is_plane=False):
             if value[worst] > buffer_m:
                 escapes.append({"what": what, "row": int(order[row]), "t_s": round(float(t[here][worst]), 1),
                                 "value": round(float(value[worst]), 2), "limit": buffer_m})
+        # In time only along its own row: a way back on the way out is as near in space, and seconds later.
+        own = flown[tube_rank[flown] == row]
+        if is_column or not len(own) or not lands and row == last:
+            continue
+        _, _, segment, at = tube.feet(points[here], own)
         moves = goes[here] & (tube.speed[segment] > MOVES_MPS) & (at > 0) & (at < 1) & np.isfinite(tube.to_s[segment])
-        # One that comes past the column of its takeoff again is not late in its climb.
-        moves &= (tube_rank[segment] > 0) | (row == 0)
-        if is_column or not moves.any() or not lands and row == last:
+        if not moves.any():
             continue
         planned = tube.from_s[segment] + at * (tube.to_s - tube.from_s)[segment]
         late, allowed_late = (t[here] - planned)[moves], tube.late[segment][moves]
