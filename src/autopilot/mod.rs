@@ -58,6 +58,18 @@ pub enum Autopilot {
     Px4,
 }
 
+impl Autopilot {
+    /// The radius of the sphere on which it counts metres from degrees (ArduPilot: `LOCATION_SCALING_FACTOR`; PX4:
+    /// `CONSTANTS_RADIUS_OF_EARTH`).
+    #[must_use]
+    pub const fn earth_radius_m(self) -> f64 {
+        match self {
+            Self::ArduPilot => 6_378_100.0,
+            Self::Px4 => 6_371_000.0,
+        }
+    }
+}
+
 /// What flies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

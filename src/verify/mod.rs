@@ -91,7 +91,7 @@
 //! | `NAV_LOITER_TO_ALT` | stops, and stops there | not judged | circles, goes on |
 //! | `NAV_LOITER_TURNS` | stops | no such command | ArduPilot: circles, goes on |
 //! | `NAV_SPLINE_WAYPOINT` | passes, on the curve below | no such command | not judged |
-//! | `NAV_PAYLOAD_PLACE` | passes, stops there | no such command | not judged |
+//! | `NAV_PAYLOAD_PLACE` | passes, stops there; with an altitude more than `WPNAV_RADIUS` from that of the waypoint not judged | no such command | not judged |
 //! | conditions, commands without motion | passes | passes | passes |
 //!
 //! **Splines** (ArduCopter, by its sources). The curve is the Hermite polynomial in place and altitude (above ground
@@ -189,7 +189,11 @@
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
 //! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
-//! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. `src/path/lateness.rs` says what was measured.
+//! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. A copter counts its metres on a sphere, of
+//! 6378100 m (ArduPilot) or 6371000 m: from 600 s after its takeoff on, every leg that is longer there adds the same share
+//! of its time to what it is late by, from its beginning on, every other to what it is early by. On such a sphere a leg has the root of the
+//! squares of the difference of latitude and of that of longitude times the cosine of the latitude in the middle.
+//! `src/path/lateness.rs` says what was measured.
 //!
 //! **Buffers.** A spec of version 2 has a buffer to each limit in space. The verdict adds it: to the
 //! distance from threats, zones (over one with a height as much altitude) and the edge of the area,

@@ -324,6 +324,27 @@ fn a_payload_is_placed_by_a_column_down_to_the_ground_and_up_again() {
     assert!(!find(&judge(&zoned, &mission), &Limit::Zone("yard".to_owned())).ok);
 }
 
+/// ArduCopter 4.7.0-beta1 was at the altitude of the item over the place, 250 s later still.
+#[test]
+fn a_payload_place_at_another_altitude_than_the_waypoint_before_it_is_never_reached() {
+    let judged_with = |hold_s: f32, up_m: f64| {
+        let place = spot(500.0, 0.0);
+        let payload = at(command::NAV_PAYLOAD_PLACE, frame::GLOBAL, place, up_m, 0.0);
+        let mut before = waypoint(spot(200.0, 100.0), UP_M);
+        before.params[0] = hold_s;
+        let (spec, mission) = flown(&[before, payload, waypoint(spot(800.0, 0.0), UP_M)]);
+        judged(&judge(&spec, &mission))
+    };
+    assert_eq!(judged_with(0.0, UP_M), Ok(()));
+    assert_eq!(judged_with(0.0, UP_M + 1.5), Ok(()));
+    assert_eq!(judged_with(0.0, 0.0), Ok(()));
+    assert_eq!(judged_with(1.0, UP_M - 30.0), Ok(()));
+    for up_m in [UP_M - 30.0, UP_M + 30.0] {
+        let why = judged_with(0.0, up_m).expect_err("it stays there");
+        assert!(why.contains("stays there for ever"), "{why}");
+    }
+}
+
 /// A hill of 60 m halfway between 100 m and 900 m east of the origin.
 fn hilly(items: &[Item]) -> (MissionSpec, VehicleMission) {
     let (mut spec, mission) = flown(items);

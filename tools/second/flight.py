@@ -17,7 +17,7 @@ FROM_TAKEOFF = {
     ("ardupilot", "copter"): (0.0, 12.0), ("px4", "copter"): (0.0, 14.0), ("ardupilot", "plane"): (13.5, 0.0),
     ("px4", "plane"): (13.5, 0.0), ("ardupilot", "vtol"): (4.0, 12.0), ("px4", "vtol"): (0.0, 30.0),
 }
-STOP_LATE, PX4_LEG_LATE, CORNER_LATE = 4.5, 1.5, 0.2
+STOP_LATE, PX4_LEG_LATE, CORNER_LATE, COUNTS_AFTER = 4.5, 1.5, 0.2, 600.0
 JERK, PX4_TURNING = 1.0, 0.5
 # Change of course, degrees, and the seconds more than overlapping profiles take.
 MORE_DEG = [0, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 180]
@@ -104,7 +104,7 @@ class Flight:
         self.reaches = None
         self.slopes, self.grounded = [], []  # climb-outs and glides; what no height is asked of
         self.speed, self.t, self.knots, self.turned = vehicle["speed_mps"], 0.0, [], 0.0
-        self.late = 0.0
+        self.late = self.ahead = 0.0
         # How far the verdict's ways of the L1 law may be off, and the steepest leg of those.
         self.loose, self.steep = 0.0, 0.0
         home = items[0]["at"]
@@ -215,7 +215,7 @@ class Flight:
         self.lift(ground, rate=min(self.vehicle["descent_mps"], 0.5 if self.ardupilot else 0.7))
 
     def add(self, shape, part, speed, lasts, fastest, wide=0.0):
-        self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest, self.late, wide))
+        self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest, self.late, wide, self.ahead))
         self.t += lasts
 
     def stop(self):
@@ -242,13 +242,26 @@ class Flight:
         passing = self.passing(corner, lengths, taken)
         for i, leg in enumerate(legs):
             self.late += 0.0 if self.ardupilot else PX4_LEG_LATE
+            first = len(self.motions)
             self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], cruise[i])
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
                 slower, radius = min(cruise[i : i + 2]), knots[i + 1].radius
                 if self.ardupilot and not self.profile.overlap(slower, half[i + 1], radius)[1]:
                     self.late += CORNER_LATE
+            self.count_on_sphere(knots[i].at, knots[i + 1].at, self.motions[first:])
         self.late += STOP_LATE
+
+    def count_on_sphere(self, a, b, motions):
+        """What a leg makes it late or early by, as it counts its metres, from the beginning of the leg on: once it is ten minutes in the air."""
+        radius = 6378100.0 if self.ardupilot else 6371000.0
+        east = math.radians((b[1] - a[1] + 180) % 360 - 180) * math.cos(math.radians((a[0] + b[0]) / 2))
+        counted = radius * math.hypot(math.radians(b[0] - a[0]), east)
+        lasts = motions[-1].end - max(motions[0].start, self.motions[0].start + COUNTS_AFTER) if motions else 0.0
+        late = max(lasts, 0.0) * (counted / distance(a, b) - 1)
+        for motion in motions:
+            motion.late, motion.early = motion.late + max(late, 0.0), motion.early + max(-late, 0.0)
+        self.late, self.ahead = self.late + max(late, 0.0), self.ahead + max(-late, 0.0)
 
     def corners(self, knots, legs, cruise):
         """Half the change of course at each knot, and what its arc takes of both legs."""
@@ -371,6 +384,11 @@ class Flight:
         starts = np.array([motion.start for motion in self.motions])
         late = np.array([motion.late for motion in self.motions])
         return late[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
+
+    def early_at(self, t):
+        starts = np.array([motion.start for motion in self.motions])
+        early = np.array([motion.early for motion in self.motions])
+        return early[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
 
     def wide_at(self, t):
         """How far beside its way the vehicle may be at times."""

@@ -160,7 +160,7 @@ def separation(a, b, slack, vertical, loose):
     less by how far beside their ways the two may be."""
     spans = [(f.motions[0].start, f.motions[-1].end) for f in (a, b)]
     (a0, a1), (b0, b1) = spans
-    gap = max(a0 - b1 - b.late - b.takeoff_late(a), b0 - a1 - a.late - a.takeoff_late(b))
+    gap = max(a0 - b1 - b.late - a.ahead - b.takeoff_late(a), b0 - a1 - a.late - b.ahead - a.takeoff_late(b))
     if gap > slack:
         return "gap", gap, 0.0, 0.0
     if vertical is None:
@@ -179,7 +179,7 @@ class Pair:
         self.a, self.b, self.kind, self.level = a, b, kind, level
         self.slack_a, self.slack_b = slack + a.takeoff_late(b), slack + b.takeoff_late(a)
         (self.a0, self.a1), (self.b0, self.b1) = spans
-        self.widest = max(self.slack_a + a.late, self.slack_b + b.late)
+        self.widest = max(self.slack_a + a.late + b.ahead, self.slack_b + b.late + a.ahead)
         self.fast_a, self.fast_b = Fastest(a), Fastest(b)
 
     def values(self, t, s):
@@ -188,7 +188,7 @@ class Pair:
         (p, p_amsl), (q, q_amsl) = self.a.where(t), self.b.where(u)
         across, up = np.linalg.norm(p - q, axis=-1), np.abs(p_amsl - q_amsl)
         wide = self.a.wide_at(t) + self.b.wide_at(u)
-        counts = (u - t <= self.slack_a + self.a.late_at(t) + 1e-9) & (t - u <= self.slack_b + self.b.late_at(u) + 1e-9)
+        counts = (u - t <= self.later(t, u) + 1e-9) & (t - u <= self.sooner(t, u) + 1e-9)
         if self.kind == "horizontal":
             return np.maximum(across - wide, 0), up - wide, counts & (up - wide < self.level)
         apart = np.hypot(across, up) if self.kind == "space" else up
@@ -206,12 +206,19 @@ class Pair:
 
     def allowed(self, t, s):
         """The nearest shifts that count, or nearly: before its stops a vehicle is less late."""
-        return np.clip(s, -self.slack_b - self.b.late_at(t), self.slack_a + self.a.late_at(t))
+        return np.clip(s, -self.sooner(t, t), self.later(t, t))
 
     def may_count(self, t, s, ht, hs):
         """Whether cells of these half widths hold a shift that counts: stops make late, and never less so later."""
-        later = s - hs <= self.slack_a + self.a.late_at(t + ht)
-        return later & (-s - hs <= self.slack_b + self.b.late_at(t + s + ht + hs))
+        most = t + ht, t + s + ht + hs
+        return (s - hs <= self.later(*most)) & (-s - hs <= self.sooner(*most))
+
+    def later(self, t, u):
+        """By how much the time of the second may be after that of the first, and before it."""
+        return self.slack_a + self.a.late_at(t) + self.b.early_at(u)
+
+    def sooner(self, t, u):
+        return self.slack_b + self.b.late_at(u) + self.a.early_at(t)
 
     def descend(self, t, s, step):
         """A low value near some places: the compass, with smaller and smaller steps."""

@@ -86,6 +86,7 @@ class Motion:
     fastest: tuple  # greatest speeds across and up
     late: float = 0.0  # by how much it may be late, for the stops and legs before it
     wide: float = 0.0  # how far beside it the vehicle may be, for the separation
+    early: float = 0.0  # by how much it may be early, for the legs before it
 
     def fraction(self, t):
         if self.end <= self.start or math.isinf(self.end):

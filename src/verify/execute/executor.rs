@@ -152,7 +152,7 @@ impl Pilot<'_> {
             } else {
                 chord.from_s
             };
-            chord.early_s = share * (until_s - first_s).max(0.0);
+            chord.early_s += share * (until_s - first_s).max(0.0);
         }
     }
 

@@ -13,12 +13,14 @@ const CHORD_ERROR_M: f64 = 0.02;
 
 /// The chords so far, and the time at their end.
 pub(crate) struct TrajectoryBuilder<'a> {
-    frame: &'a LocalFrame,
+    pub(crate) frame: &'a LocalFrame,
     surface: Surface<'a>,
     pub(crate) chords: Vec<Chord>,
     pub(crate) t_s: f64,
     /// By how much the vehicle may be late, for the stops so far, seconds.
     pub(crate) late_s: f64,
+    /// And early, for the legs so far, seconds.
+    pub(crate) early_s: f64,
 }
 
 /// Altitude along a leg: a straight line above the sea, or above the ground.
@@ -81,6 +83,7 @@ impl<'a> TrajectoryBuilder<'a> {
             chords: Vec::new(),
             t_s: 0.0,
             late_s: 0.0,
+            early_s: 0.0,
         }
     }
 
@@ -97,6 +100,7 @@ impl<'a> TrajectoryBuilder<'a> {
         self.chords.push(Chord {
             grounded,
             late_s: self.late_s,
+            early_s: self.early_s,
             flown: true,
             ..Chord::unflown((row, phase), (from_s, self.t_s), (from, to))
         });
@@ -144,6 +148,7 @@ impl<'a> TrajectoryBuilder<'a> {
                 slope_from_m: to.slope_from_m,
                 wide_m: piece.wide_m,
                 late_s: self.late_s,
+                early_s: self.early_s,
                 flown: true,
                 ..Chord::unflown((to.row, to.phase), times_s, ends)
             };
@@ -247,6 +252,7 @@ impl<'a> TrajectoryBuilder<'a> {
         let to_s = chord.to_s;
         let flown = Chord {
             late_s: self.late_s,
+            early_s: self.early_s,
             flown: true,
             ..chord
         };

@@ -1,7 +1,7 @@
 //! Motions between two places, and stays.
 
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::path::{heading_rad, leg_late_s, stop_late_s};
+use crate::path::{COUNTS_AFTER_S, heading_rad, leg_late_s, leg_late_share, stop_late_s};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::{Legs, Rest, Slope};
 use crate::verify::execute::legs::{self, Knot};
@@ -103,14 +103,15 @@ impl Pilot<'_> {
             .map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]))
             .collect::<Result<Vec<_>, _>>()?;
         let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
-        let mut leg = usize::MAX;
-        for piece in &run.pieces {
-            if piece.leg != leg {
-                leg = piece.leg;
-                self.trajectory.late_s += leg_late_s(self.vehicle);
-                firsts[leg] = self.trajectory.chords.len();
+        for pieces in run.pieces.chunk_by(|one, other| one.leg == other.leg) {
+            let leg = pieces[0].leg;
+            self.trajectory.late_s += leg_late_s(self.vehicle);
+            let lasts_s = pieces.iter().map(legs::Piece::duration_s).sum();
+            self.count_on_sphere(&knots[leg..=leg + 1], lasts_s);
+            firsts[leg] = self.trajectory.chords.len();
+            for piece in pieces {
+                self.trajectory.lay_piece(piece, &knots, &lines)?;
             }
-            self.trajectory.lay_piece(piece, &knots, &lines)?;
         }
         let legs = Legs {
             knots: &knots,
@@ -129,6 +130,18 @@ impl Pilot<'_> {
             self.trajectory.late_s += stop_late_s(self.vehicle);
         }
         Ok(())
+    }
+
+    /// What a leg makes it late or early by, as the autopilot counts its metres, where it is long in the air.
+    fn count_on_sphere(&mut self, leg: &[Knot], lasts_s: f64) {
+        let frame = self.trajectory.frame;
+        let [from, to] = [&leg[0], &leg[1]].map(|knot| frame.from_plan(knot.at));
+        let (begins_s, first) = (self.trajectory.t_s, self.trajectory.chords.first());
+        let counts_s = first.map_or(begins_s, |chord| chord.from_s) + COUNTS_AFTER_S;
+        let counted_s = (begins_s + lasts_s - counts_s).clamp(0.0, lasts_s);
+        let late_s = counted_s * leg_late_share(self.vehicle, from, to);
+        self.trajectory.late_s += late_s.max(0.0);
+        self.trajectory.early_s += (-late_s).max(0.0);
     }
 
     /// The ground speed of an airborne departure along the first leg, m/s; none on later legs.

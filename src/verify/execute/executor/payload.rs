@@ -6,6 +6,7 @@ use crate::geodesy::LatLon;
 use crate::mission::{VehicleMission, placing_mps};
 use crate::spec::RELEASE_S;
 use crate::verify::execute::decode::Unknown;
+use crate::verify::execute::item;
 use crate::world::Terrain;
 
 impl Pilot<'_> {
@@ -20,6 +21,7 @@ impl Pilot<'_> {
         let at = self.reach(row, place)?;
         let keeps = self.present_height(&mission.items[row - 1]);
         let (amsl_m, agl_m) = self.resolve(row, place, keeps)?;
+        self.never_comes_to(row, (place, amsl_m), mission)?;
         let changes_kind = self.last().agl_m.is_some() != agl_m.is_some();
         if changes_kind && self.vehicle.facts().stops.between_altitude_kinds {
             self.stop()?;
@@ -60,5 +62,30 @@ impl Pilot<'_> {
         self.mark();
         self.phase_in();
         Ok(())
+    }
+
+    /// Past a waypoint without a stop ArduCopter has the leg to the place laid already, to the altitude of the item
+    /// (`ModeAuto::set_next_wp`). It flies that, waits to be at the altitude that it had, and stays there for ever.
+    fn never_comes_to(
+        &self,
+        row: usize,
+        (place, keeps_m): (LatLon, f64),
+        mission: &VehicleMission,
+    ) -> Result<(), Unknown> {
+        let item = &mission.items[row - 1];
+        if self.knots.len() < 2 || item.z == 0.0 {
+            return Ok(());
+        }
+        let height = item::height(item, mission.autopilot, self.home.amsl);
+        let height = height.map_err(|why| Unknown { row, why })?;
+        let (own_m, _) = self.resolve(row, place, height)?;
+        if (own_m - keeps_m).abs() <= self.accept_m {
+            return Ok(());
+        }
+        Unknown::err(
+            row,
+            "a payload place with an altitude that is not the one it comes with past a waypoint: ArduCopter flies to that altitude \
+             and stays there for ever (give it the altitude of the waypoint, or that a hold of a second)",
+        )
     }
 }
