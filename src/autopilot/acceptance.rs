@@ -21,9 +21,11 @@ pub struct Acceptance {
     pub location_frames: &'static [u8],
     /// Items without a location may have these; absent: any.
     pub command_frames: Option<&'static [u8]>,
-    /// Commands to which latitude 0, longitude 0 means the place where the vehicle is, or none.
-    /// Mission Planner writes takeoffs and the starts of landings in this way.
+    /// Commands to which latitude 0, longitude 0 means the place where the vehicle is.
+    /// Mission Planner writes takeoffs in this way.
     pub here: &'static [u16],
+    /// Commands to which it means no place. Mission Planner writes the starts of landings in this way.
+    pub placeless: &'static [u16],
     /// Whether NaN means "the default" in every parameter.
     pub any_nan: bool,
     /// Altitudes from this on do not fit, metres.

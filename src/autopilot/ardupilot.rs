@@ -2,7 +2,7 @@
 
 use super::acceptance::{Acceptance, Capacity};
 use super::behaviour::{Behaviour, Figure, NONE, measured};
-use super::corner::{CornerLaw, Stops};
+use super::corner::{CornerLaw, Skips, Stops};
 use super::modes::{Modes, mode};
 use super::support::{Evidence, Support};
 use super::version::version;
@@ -47,8 +47,9 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
         command::NAV_SPLINE_WAYPOINT,
         command::NAV_PAYLOAD_PLACE,
         command::NAV_VTOL_TAKEOFF,
-        // Without a place of their own (`AP_Mission::get_landing_sequence_start`,
-        // `Location::initialised`).
+    ],
+    // `AP_Mission::get_landing_sequence_start`, `Location::initialised`.
+    placeless: &[
         command::DO_RETURN_PATH_START,
         command::DO_LAND_START,
         command::DO_SET_ROI_LOCATION,
@@ -69,6 +70,23 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     needs_approach: false,
 };
 
+/// `ModeAuto::start_command` goes on to the next command; before one that navigates elsewhere it cannot
+/// look ahead (`ModeAuto::set_next_wp`).
+const SKIPS: Skips = Skips {
+    passing: &[
+        command::DO_GO_AROUND,
+        command::DO_PAUSE_CONTINUE,
+        command::DO_SET_REVERSE,
+        command::DO_INVERTED_FLIGHT,
+        command::DO_GUIDED_LIMITS,
+    ],
+    at_rest: &[
+        command::NAV_CONTINUE_AND_CHANGE_ALT,
+        command::NAV_ALTITUDE_WAIT,
+        command::NAV_SET_YAW_SPEED,
+    ],
+};
+
 const PLANE_ACCEPTANCE: Acceptance = Acceptance {
     takeoffs: &[command::NAV_TAKEOFF],
     landings: &[command::NAV_LAND],
@@ -80,10 +98,6 @@ const PLANE_ACCEPTANCE: Acceptance = Acceptance {
         command::NAV_TAKEOFF,
         command::NAV_LAND,
         command::NAV_VTOL_TAKEOFF,
-        command::DO_RETURN_PATH_START,
-        command::DO_LAND_START,
-        command::DO_SET_ROI_LOCATION,
-        command::DO_SET_ROI,
     ],
     ..COPTER_ACCEPTANCE
 };
@@ -297,6 +311,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     },
     corners: Some(CornerLaw::Overlap),
     stops: Stops::ARDUCOPTER,
+    skips: SKIPS,
     behaviour: COPTER_BEHAVIOUR,
     buffer_m: COPTER_BUFFER_M,
 };
@@ -341,6 +356,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     },
     corners: None,
     stops: Stops::NONE,
+    skips: Skips::NONE,
     behaviour: Behaviour {
         takeoff_early_s: TAKEOFF_EARLY_S,
         takeoff_late_s: NONE,

@@ -459,3 +459,20 @@ mod tests {
         assert!((law.cruise_mps(70.0, 10.0) - 10.0).abs() < 1e-12);
     }
 }
+
+/// Commands that a vehicle stores and does not start, or that set limits of another mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Skips {
+    /// Those that it passes in flight.
+    pub passing: &'static [u16],
+    /// Those before which it stops at the waypoint.
+    pub at_rest: &'static [u16],
+}
+
+impl Skips {
+    /// None.
+    pub(super) const NONE: Self = Self {
+        passing: &[],
+        at_rest: &[],
+    };
+}

@@ -24,6 +24,10 @@ pub mod command {
     pub const NAV_VTOL_TAKEOFF: u16 = 84;
     /// Stop flying on the wing, and land vertically.
     pub const NAV_VTOL_LAND: u16 = 85;
+    /// Go on, and change the altitude.
+    pub const NAV_CONTINUE_AND_CHANGE_ALT: u16 = 30;
+    /// Wait for an altitude, as a balloon does.
+    pub const NAV_ALTITUDE_WAIT: u16 = 83;
     /// Hand over to another computer.
     pub const NAV_GUIDED_ENABLE: u16 = 92;
     /// Wait, on the ground or in the air.
@@ -46,6 +50,18 @@ pub mod command {
     pub const DO_SET_RELAY: u16 = 181;
     /// Set the pulse of a servo.
     pub const DO_SET_SERVO: u16 = 183;
+    /// Abandon a landing.
+    pub const DO_GO_AROUND: u16 = 191;
+    /// Pause the mission, or go on.
+    pub const DO_PAUSE_CONTINUE: u16 = 193;
+    /// Drive backwards.
+    pub const DO_SET_REVERSE: u16 = 194;
+    /// Fly upside down.
+    pub const DO_INVERTED_FLIGHT: u16 = 210;
+    /// Turn by an angle, and fly at a speed.
+    pub const NAV_SET_YAW_SPEED: u16 = 213;
+    /// Limits of control by another computer.
+    pub const DO_GUIDED_LIMITS: u16 = 222;
     /// Where a return along the mission begins.
     pub const DO_RETURN_PATH_START: u16 = 188;
     /// Where a landing sequence begins.

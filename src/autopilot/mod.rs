@@ -37,7 +37,7 @@ pub use commands::{
     COMMANDS, CommandRow, CommandRule, Location, Motion, ParamRule, Rejected, command_name,
     command_named, command_row,
 };
-pub use corner::{CornerLaw, Cornering, Stops, Turn};
+pub use corner::{CornerLaw, Cornering, Skips, Stops, Turn};
 pub use mavlink::{command, frame};
 pub use modes::{Mode, Modes, mode_name};
 pub use parameters::{
@@ -192,6 +192,8 @@ pub struct Facts {
     pub corners: Option<CornerLaw>,
     /// Where it stops.
     pub stops: Stops,
+    /// What it stores and never starts.
+    pub skips: Skips,
     /// How it deviates from straight legs flown on time.
     pub behaviour: Behaviour,
     /// Buffer to every limit unless the spec says otherwise, metres: for errors of position and

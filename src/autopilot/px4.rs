@@ -3,7 +3,7 @@
 use super::acceptance::{Acceptance, Capacity};
 use super::ardupilot;
 use super::behaviour::{Behaviour, Figure, NONE, measured};
-use super::corner::{CornerLaw, Stops};
+use super::corner::{CornerLaw, Skips, Stops};
 use super::modes::{Modes, px4_auto};
 use super::support::{Evidence, Support};
 use super::version::version;
@@ -39,6 +39,7 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     location_frames: &[0, 3, 5, 6],
     command_frames: Some(&[frame::MISSION]),
     here: &[],
+    placeless: &[],
     any_nan: true,
     max_altitude_m: 83_000.0,
     max_hold_s: 65_535.0,
@@ -150,6 +151,7 @@ pub(super) static COPTER: Facts = Facts {
     },
     corners: Some(CornerLaw::Circle),
     stops: Stops::NONE,
+    skips: Skips::NONE,
     behaviour: COPTER_BEHAVIOUR,
     buffer_m: ardupilot::COPTER_BUFFER_M,
 };

@@ -1,11 +1,7 @@
 //! `sortie review` without a spec, of commands that move no vehicle and of speeds beyond the limits that
 //! parameters have by default.
 
-use std::fs;
-
-use serde_json::Value;
-
-use crate::support::command::{sortie, text};
+use crate::judged::judged;
 
 /// A takeoff from home, four legs and a landing, with `MIDDLE` after the takeoff and the first leg.
 const ROUTE: [&str; 8] = [
@@ -42,26 +38,11 @@ fn route(airframe: &str, middle: &str) -> String {
 
 /// What is said of a mission with parameters next to it: exit code, text, and when its last item ends.
 fn review(mission: &str, params: &str, flags: &[&str]) -> (Option<i32>, String, f64) {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("m.waypoints"), mission).expect("written");
-    if !params.is_empty() {
-        fs::write(folder.path().join("m.params"), params).expect("written");
-    }
-    let always = [
-        "review",
-        "m.waypoints",
-        "--no-terrain",
-        "--trajectories",
-        "t.json",
-    ];
-    let output = sortie(folder.path(), &[&always[..], flags].concat());
-    let said = text(&output.stdout) + &text(&output.stderr);
-    let written = fs::read_to_string(folder.path().join("t.json")).unwrap_or_default();
-    let written: Value = serde_json::from_str(&written).unwrap_or_default();
-    let segments = written["vehicles"][0]["segments"].as_array();
-    let ends = segments.into_iter().flatten();
+    let judged = judged(mission, params, flags);
+    let ends = judged.segments.iter();
     let ends = ends.filter_map(|segment| segment["to"]["t_s"].as_f64());
-    (output.status.code(), said, ends.fold(0.0, f64::max))
+    let last_s = ends.fold(0.0, f64::max);
+    (judged.code, judged.said, last_s)
 }
 
 /// `ModeAuto::start_command` of ArduCopter does not know these commands, and goes on.

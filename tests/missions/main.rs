@@ -10,6 +10,7 @@ mod convert_command;
 mod formats_corpus;
 mod formats_golden;
 mod formats_maps;
+mod judged;
 mod landing_pattern;
 mod long_flight;
 mod mission_accept;

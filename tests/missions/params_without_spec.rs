@@ -4,6 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
+use crate::judged::judged;
 use crate::support::command::{sortie, text};
 
 const RETURN: &str = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.01\t8.0\t50\t1\n3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n";
@@ -69,21 +70,15 @@ fn flown(params: &str, flags: &[&str]) -> (Option<i32>, String, Vec<Segment>) {
 }
 
 fn flown_from(mission: &str, params: &str, flags: &[&str]) -> (Option<i32>, String, Vec<Segment>) {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("m.waypoints"), mission).expect("written");
-    fs::write(folder.path().join("m.params"), params).expect("written");
-    let mut always = vec!["review", "m.waypoints", "--no-terrain"];
-    always.extend(["--trajectories", "t.json"]);
-    if !flags.contains(&"--airframe") {
-        always.extend(["--airframe", "copter"]);
-    }
-    let output = sortie(folder.path(), &[&always[..], flags].concat());
-    let said = text(&output.stdout) + &text(&output.stderr);
-    let trajectories = fs::read_to_string(folder.path().join("t.json")).unwrap_or_default();
-    let trajectories: Value = serde_json::from_str(&trajectories).unwrap_or_default();
-    let segments = trajectories["vehicles"][0]["segments"].as_array();
-    let segments = segments.map_or_else(Vec::new, |all| all.iter().map(Segment::of).collect());
-    (output.status.code(), said, segments)
+    let is_given = flags.contains(&"--airframe");
+    let airframe: &[&str] = if is_given {
+        &[]
+    } else {
+        &["--airframe", "copter"]
+    };
+    let judged = judged(mission, params, &[airframe, flags].concat());
+    let segments = judged.segments.iter().map(Segment::of).collect();
+    (judged.code, judged.said, segments)
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
+use crate::judged::judged;
 use crate::support::command::{sortie, text};
 
 /// Metres for a degree of latitude and of longitude, at 35.3633 degrees south.
@@ -20,26 +21,10 @@ fn row(number: usize, command: u16, params: [f64; 4], at: [f64; 2], up_m: f64) -
     )
 }
 
-/// East, north and up from home of both ends of all that is judged.
-fn judged(mission: &str, params: &str) -> Vec<[[f64; 3]; 2]> {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("m.waypoints"), mission).expect("written");
-    fs::write(folder.path().join("m.params"), params).expect("written");
-    let command = [
-        "review",
-        "m.waypoints",
-        "--no-terrain",
-        "--airframe",
-        "plane",
-        "--trajectories",
-        "t.json",
-    ];
-    let output = sortie(folder.path(), &command);
-    let said = text(&output.stdout) + &text(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{said}");
-    let trajectories = fs::read_to_string(folder.path().join("t.json")).expect("written");
-    let trajectories: Value = serde_json::from_str(&trajectories).expect("JSON");
-    let segments = trajectories["vehicles"][0]["segments"].as_array();
+/// East, north and up from home of both ends of all that is judged of a plane.
+fn flown(mission: &str, params: &str) -> Vec<[[f64; 3]; 2]> {
+    let judged = judged(mission, params, &["--airframe", "plane"]);
+    assert_eq!(judged.code, Some(0), "{}", judged.said);
     let end = |segment: &Value, end: &str| {
         let value = |key: &str| segment[end][key].as_f64().expect("a number");
         [
@@ -48,7 +33,7 @@ fn judged(mission: &str, params: &str) -> Vec<[[f64; 3]; 2]> {
             value("amsl_m") - HOME[2],
         ]
     };
-    let segments = segments.expect("segments").iter();
+    let segments = judged.segments.iter();
     segments.map(|s| [end(s, "from"), end(s, "to")]).collect()
 }
 
@@ -76,7 +61,7 @@ fn a_wing_returns_straight_from_its_turn_and_climbs_at_once() {
     ];
     let params = "AIRSPEED_CRUISE,22\nAIRSPEED_MIN,10\nAIRSPEED_MAX,30\nROLL_LIMIT_DEG,45\nNAVL1_PERIOD,17\n\
          NAVL1_DAMPING,0.75\nWP_LOITER_RAD,100\nWP_RADIUS,60\nTECS_CLMB_MAX,5\nTECS_SINK_MAX,5\nRTL_ALTITUDE,150\nRTL_RADIUS,150\n";
-    let judged = judged(&mission.concat(), params);
+    let judged = flown(&mission.concat(), params);
     for place in [
         [642.0, 1772.0, 89.0],
         [681.0, 1695.0, 105.0],

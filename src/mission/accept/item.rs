@@ -79,11 +79,13 @@ pub(crate) fn longitude(profile: &Profile, item: &Item) -> Option<Finding> {
         .then(|| (degrees(item.y), "-180 to 180 degrees".to_owned()))
 }
 
-/// ArduPilot reads 0, 0 as the present place; PX4 flies to the Gulf of Guinea.
+/// ArduPilot reads 0, 0 as the present place, or as none; PX4 flies to the Gulf of Guinea.
 pub(crate) fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
-    let means_here = profile.facts.acceptance.here.contains(&item.command);
+    let acceptance = &profile.facts.acceptance;
+    let means_it = |commands: &[u16]| commands.contains(&item.command);
+    let may_be_zero = means_it(acceptance.here) || means_it(acceptance.placeless);
     let is_zero = (item.x, item.y) == (0, 0);
-    (is_zero && profile.has_location(item) && !means_here).then(|| {
+    (is_zero && profile.has_location(item) && !may_be_zero).then(|| {
         (
             "latitude 0, longitude 0".to_owned(),
             "a location other than 0, 0".to_owned(),

@@ -132,7 +132,7 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
         let order = if mission.airframe.has_wing() {
             items::read(item, mission, home)
         } else {
-            copter::read(item, mission.autopilot, home)
+            copter::read(item, mission, home)
         };
         match order {
             Ok(order) => steps.push(Step { row, order }),
