@@ -191,8 +191,8 @@
 //! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
 //! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. A copter counts its metres on a sphere, of
 //! 6378100 m (ArduPilot) or 6371000 m: from 600 s after its takeoff on, every leg that is longer there adds the same share
-//! of its time to what it is late by, from its beginning on, every other to what it is early by. On such a sphere a leg has the root of the
-//! squares of the difference of latitude and of that of longitude times the cosine of the latitude in the middle.
+//! of its time to what it is late by, from its beginning on, every other to what it is early by. On such a sphere a leg is as
+//! long as the root of two squares: the difference of latitude, and that of longitude times the cosine of the middle latitude.
 //! `src/path/lateness.rs` says what was measured.
 //!
 //! **Buffers.** A spec of version 2 has a buffer to each limit in space. The verdict adds it: to the

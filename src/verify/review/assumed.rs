@@ -39,7 +39,7 @@ type Assumption = (fn(&Sortie<'_>) -> bool, &'static str);
 const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.vehicle.airframe != Airframe::Plane,
-        "copters and vtol are up to {copter.takeoff_late_s} late from their takeoff on, all of one autopilot and airframe alike, and up to {copter.stop_late_s} more \
+        "copters and vtol are late from their takeoff on by up to {copter.takeoff_late_s} (ArduPilot), {px4_copter.takeoff_late_s} (PX4 copters) or {px4_vtol.takeoff_late_s} (PX4 vtol), all of one autopilot and airframe alike, and up to {copter.stop_late_s} more \
          after every stop: separation holds for any lateness up to that (measured on five ArduCopters 4.7.0-dev, simulated: \
          over their homes 6 s late, on their way 6 to 8.5 s, over a ridge 8 to 12 s, after a stop 4.4 s more, at most 0.9 m beside the way \
          and 1 m over or under it; of others assumed): those of one kind differ by up to 5.5 s, which time_slack_s must cover",
@@ -63,7 +63,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
                 || s.holds(command::NAV_PAYLOAD_PLACE)
         },
         "splines, turns and the placing of payloads are flown as the sources of ArduCopter 4.7 say (CIRCLE_RADIUS {CIRCLE_RADIUS} m and CIRCLE_RATE {CIRCLE_RATE} degrees a second \
-         where the .params file has none), and each may take {copter.stop_late_s} longer (4.7.0-beta1, simulated, still air, eight flights: within 3.5 m on a circle and 0.9 m elsewhere)",
+         where the .params file has none), and each may take {copter.stop_late_s} longer (4.7.0-beta1, simulated, still air: within 3.5 m on a circle, 0.9 m on splines)",
     ),
     (
         |s| {
@@ -219,12 +219,13 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
 ];
 
 /// Kinds of vehicles whose figures the texts name.
-const KINDS: [(&str, Autopilot, Airframe); 5] = [
+const KINDS: [(&str, Autopilot, Airframe); 6] = [
     ("copter", Autopilot::ArduPilot, Airframe::Copter),
     ("plane", Autopilot::ArduPilot, Airframe::Plane),
     ("quadplane", Autopilot::ArduPilot, Airframe::Vtol),
     ("px4_copter", Autopilot::Px4, Airframe::Copter),
     ("px4_plane", Autopilot::Px4, Airframe::Plane),
+    ("px4_vtol", Autopilot::Px4, Airframe::Vtol),
 ];
 
 /// A text of an assumption with its figures: `{plane.bank_lag_s}` is the figure of that name in
@@ -313,7 +314,7 @@ mod tests {
             .map(|(_, t)| with_figures(t))
             .collect();
         for expected in [
-            "up to 12 s late",
+            "by up to 12 s (ArduPilot), 14 s (PX4 copters) or 30 s (PX4 vtol), all",
             "up to 4.5 s more",
             "up to 1.5 s later",
             "after 0.2 of the planned climb, 14 m over it",
