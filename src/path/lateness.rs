@@ -27,8 +27,8 @@ pub fn corner_late_s(vehicle: &Vehicle) -> f64 {
     behaviour.corner_late_s.value(vehicle.autopilot_version)
 }
 
-/// Lateness from the takeoff on was measured on flights of up to some eight minutes, and holds what a copter loses in as
-/// many on its sphere ([`leg_late_share`]): that counts from here on, seconds since the takeoff.
+/// Seconds after the takeoff from which [`leg_late_share`] counts. Lateness from the takeoff on was measured on flights
+/// of up to eight minutes, and includes what a copter loses on its sphere in that time.
 pub const COUNTS_AFTER_S: f64 = 600.0;
 
 /// By how much longer a copter takes for a leg than in the flight model, as a share of the time; negative: less. It flies its

@@ -42,7 +42,7 @@ impl Progress {
         }
     }
 
-    /// A step that everybody wants to know of.
+    /// A step that is always said, into a pipe too.
     pub(crate) fn mark(&self, message: &str) {
         self.bar.set_message(shown(message).into_owned());
         if self.piped.is_some() {
@@ -53,7 +53,7 @@ impl Progress {
 
 #[expect(
     clippy::disallowed_methods,
-    reason = "how often somebody who waits reads a line; no result depends on it"
+    reason = "paces the lines of progress; no result depends on it"
 )]
 fn now() -> Instant {
     Instant::now()

@@ -246,7 +246,7 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    /// Whether a change of speed is one of the rotors: until its takeoff is over a VTOL of PX4 is on them
+    /// Whether a change of speed is for the rotors: a VTOL of PX4 is on them until its takeoff is over
     /// (`Navigator::set_cruising_speed`).
     fn is_on_rotors(&self, mission: &VehicleMission) -> bool {
         let is_px4_vtol =

@@ -132,7 +132,8 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    /// What a leg makes it late or early by, as the autopilot counts its metres, where it is long in the air.
+    /// By how much a leg makes the vehicle late or early, because the autopilot counts metres on a sphere: from
+    /// [`COUNTS_AFTER_S`] on.
     fn count_on_sphere(&mut self, leg: &[Knot], lasts_s: f64) {
         let frame = self.trajectory.frame;
         let [from, to] = [&leg[0], &leg[1]].map(|knot| frame.from_plan(knot.at));

@@ -84,8 +84,8 @@ impl Pilot<'_> {
         }
         Unknown::err(
             row,
-            "a payload place with an altitude that is not the one it comes with past a waypoint: ArduCopter flies to that altitude \
-             and stays there for ever (give it the altitude of the waypoint, or that a hold of a second)",
+            "NAV_PAYLOAD_PLACE at another altitude than the waypoint before it, which is flown through: ArduCopter flies to that \
+             altitude and stays there for ever (give it the altitude of the waypoint, or the waypoint a hold of 1 s)",
         )
     }
 }
