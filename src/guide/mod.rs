@@ -2,6 +2,8 @@
 
 #[doc = include_str!("spec.md")]
 pub mod spec {}
+#[doc = include_str!("keys.md")]
+pub mod keys {}
 #[doc = include_str!("tasks.md")]
 pub mod tasks {}
 #[doc = include_str!("plan.md")]

@@ -30,7 +30,8 @@ impl Issue {
 }
 
 /// Everything that is wrong with a spec, at once.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub struct SpecError {
     /// File name as given, for the messages.
     pub file: String,

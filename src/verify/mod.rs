@@ -233,7 +233,8 @@ use crate::geodesy::{Amsl, LatLon};
 use crate::spec::Span;
 
 /// The verdict on the missions of a fleet.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Review {
     /// Every limit with its worst value, violated or not.
     pub margins: Vec<Margin>,
@@ -245,6 +246,7 @@ pub struct Review {
 
 /// The worst value of one limit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Margin {
     /// Id of the vehicle.
     pub vehicle: String,

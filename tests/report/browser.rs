@@ -300,11 +300,7 @@ fn pages_of_every_size_and_verdict_run_without_an_error() {
     let whole = facts(hilly_spec(IDS));
     fs::write(output().join("review.svg"), whole.svg()).expect("a picture");
     let mut empty = facts(hilly_spec(IDS));
-    empty.review = Review {
-        margins: Vec::new(),
-        tracks: Vec::new(),
-        assumptions: Vec::new(),
-    };
+    empty.review = Review::default();
     empty.plan.vehicles.clear();
     empty.missions.clear();
     let mut alone = hilly_spec(IDS);

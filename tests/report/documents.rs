@@ -109,11 +109,7 @@ fn review_json_has_the_keys_of_the_contract_and_null_for_what_is_not_known() {
 
 #[test]
 fn an_empty_review_is_no_pass() {
-    let review = Review {
-        margins: Vec::new(),
-        tracks: Vec::new(),
-        assumptions: Vec::new(),
-    };
+    let review = Review::default();
     assert_eq!(review_json(&review).verdict, "fail");
     let mut facts = facts(hilly_spec(IDS));
     facts.review = review;

@@ -316,15 +316,13 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
             .collect(),
     };
     let margins = margins(&spec, &world, &tracks);
-    let review = Review {
-        margins,
-        tracks,
-        assumptions: vec![
-            "Corners are flown as arcs of the turn radius; not measured on an autopilot."
-                .to_owned(),
-            "Takeoff climbs straight up at the climb speed.".to_owned(),
-        ],
-    };
+    let mut review = Review::default();
+    review.margins = margins;
+    review.tracks = tracks;
+    review.assumptions = vec![
+        "Corners are flown as arcs of the turn radius; not measured on an autopilot.".to_owned(),
+        "Takeoff climbs straight up at the climb speed.".to_owned(),
+    ];
     Facts {
         spec,
         world,
@@ -340,24 +338,15 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
         let offset = f64::from(u8::try_from(index % 200).expect("small"));
         let mut add =
             |limit: Limit, value: f64, bound: f64, unit, ok, at: Option<Moment>, note: &str| {
-                margins.push(Margin {
-                    buffer: 0.0,
-                    vehicle: track.vehicle.clone(),
-                    other: None,
-                    limit,
-                    value,
-                    bound,
-                    sense: if (value >= bound) == ok {
-                        Sense::AtLeast
-                    } else {
-                        Sense::AtMost
-                    },
-                    unit,
-                    at,
-                    shift: None,
-                    ok,
-                    note: note.to_owned(),
-                });
+                let mut margin = Margin::unjudged(&track.vehicle, limit, note);
+                (margin.value, margin.bound) = (value, bound);
+                margin.sense = if (value >= bound) == ok {
+                    Sense::AtLeast
+                } else {
+                    Sense::AtMost
+                };
+                (margin.unit, margin.at, margin.ok) = (unit, at, ok);
+                margins.push(margin);
             };
         let (lowest_m, at) = track.moments[1..302]
             .iter()
@@ -430,20 +419,12 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
     for (a, track) in tracks.iter().enumerate().take(12) {
         for other in tracks.iter().take(12).skip(a + 1) {
             let (nearest_m, at) = nearest(world, track, other);
-            margins.push(Margin {
-                buffer: 0.0,
-                vehicle: track.vehicle.clone(),
-                other: Some(other.vehicle.clone()),
-                limit: Limit::Separation,
-                value: nearest_m,
-                bound: 100.0,
-                sense: Sense::AtLeast,
-                unit: "m",
-                at: Some(at),
-                shift: None,
-                ok: nearest_m >= 100.0,
-                note: "worst shift of departure: 5 s".to_owned(),
-            });
+            let note = "worst shift of departure: 5 s";
+            let mut margin = Margin::unjudged(&track.vehicle, Limit::Separation, note);
+            margin.other = Some(other.vehicle.clone());
+            (margin.value, margin.bound, margin.unit) = (nearest_m, 100.0, "m");
+            (margin.at, margin.ok) = (Some(at), nearest_m >= 100.0);
+            margins.push(margin);
         }
     }
     margins

@@ -6,4 +6,5 @@ mod support;
 mod browser;
 mod documents;
 mod facts;
+mod keys_page;
 mod page;

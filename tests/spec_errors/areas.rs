@@ -1,8 +1,8 @@
 //! Surveys, corridors and search patterns: keys, what is absent, what cannot be flown.
 
-use sortie::spec::{SpecError, SweepShape};
+use sortie::spec::SweepShape;
 
-use super::{good, issues};
+use super::{good, issues, said_of};
 
 const HEAD: &str = "\
 sortie: 2
@@ -188,11 +188,7 @@ fn what_is_wrong_with_an_area_is_reported_at_its_place() {
         ),
     ] {
         let all = issues(&spec(&task));
-        let text = SpecError {
-            file: "mission.yaml".to_owned(),
-            issues: all.clone(),
-        };
-        let text = text.to_string();
+        let text = said_of(&all);
         assert_eq!(all.len(), 1, "{task}: {text}");
         assert!(all[0].path == path || path.is_empty(), "{task}: {text}");
         assert!(text.contains(found), "{task}: {text}");

@@ -121,11 +121,16 @@ fn only(old: &str, new: &str) -> (String, String) {
     assert_eq!(found.len(), 1, "{found:#?}");
     let issue = found.remove(0);
     assert!(issue.position.is_some(), "{issue:?}");
-    let error = SpecError {
-        file: "mission.yaml".to_owned(),
-        issues: vec![issue.clone()],
-    };
-    (issue.path, error.to_string())
+    let text = said_of(std::slice::from_ref(&issue));
+    (issue.path, text)
+}
+
+/// What the user reads of issues.
+fn said_of(issues: &[Issue]) -> String {
+    let mut error = SpecError::default();
+    "mission.yaml".clone_into(&mut error.file);
+    error.issues = issues.to_vec();
+    error.to_string()
 }
 
 /// Line and column of a piece of text that occurs once.

@@ -1,8 +1,6 @@
 //! Tasks: keys, what is absent, and who may do them.
 
-use sortie::spec::SpecError;
-
-use super::{good, issues, over_ground};
+use super::{good, issues, over_ground, said_of};
 
 const HEAD: &str = "\
 sortie: 2
@@ -100,11 +98,7 @@ fn what_is_wrong_with_a_task_is_reported_at_its_place() {
     ] {
         let all = issues(&spec(&format!("  - {task}\n")));
         assert_eq!(all.len(), 1, "{task}: {all:#?}");
-        let text = SpecError {
-            file: "mission.yaml".to_owned(),
-            issues: all.clone(),
-        };
-        let text = text.to_string();
+        let text = said_of(&all);
         assert!(all[0].path == path || path.is_empty(), "{text}");
         assert!(text.contains(found), "{text}");
     }

@@ -21,6 +21,7 @@ const PERIOD_S: f64 = 10.0;
 
 /// The flight of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Flown {
     /// Since when its positions are looked for, seconds after T0; none: since its planned departure.
     pub since_s: Option<f64>,

@@ -186,7 +186,7 @@ impl Area {
 #[serde(deny_unknown_fields)]
 #[schemars(extend("minProperties" = 1, "maxProperties" = 1))]
 pub struct Terrain {
-    /// An elevation file, its path relative to this one: SRTM .hgt, .hgt.gz or .hgt.zip, or GeoTIFF in EPSG:4326.
+    /// An elevation file, its path relative to this one: SRTM .hgt, .hgt.gz or .hgt.zip, or GeoTIFF.
     pub file: Option<String>,
     /// A folder of such files, used as one; its path relative to this file.
     pub folder: Option<String>,
