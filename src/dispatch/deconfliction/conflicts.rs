@@ -19,8 +19,9 @@ pub(super) type Flown = (usize, usize);
 /// The variant of each vehicle.
 pub(super) type Choice = Vec<usize>;
 
-/// What flying one variant counts for, where judging one pair counts for one.
+/// What flying one variant counts for, where judging one pair counts for one: a wing is steered step by step.
 const FLYING: usize = 20;
+const FLYING_A_WING: usize = 400;
 /// Most flights that are remembered: the others are flown again when they are needed.
 const MOST_FLIGHTS: usize = 2000;
 
@@ -231,7 +232,14 @@ impl<'a> Conflicts<'a> {
                 )
             })
             .collect();
-        self.work += FLYING * flights.len();
+        let work = flights.iter().map(|((vehicle, _), _)| {
+            if self.fleet[*vehicle].has_wing() {
+                FLYING_A_WING
+            } else {
+                FLYING
+            }
+        });
+        self.work += work.sum::<usize>();
         for (flown, flight) in flights {
             match flight {
                 Some(flight) => drop(self.flights.insert(flown, flight)),

@@ -203,6 +203,10 @@ impl<'a> Variants<'a> {
         &self.shapers[0].spec().vehicles[self.index]
     }
 
+    pub(super) fn has_wing(&self) -> bool {
+        self.vehicle().airframe.has_wing()
+    }
+
     pub(super) fn can_wait(&self) -> bool {
         self.vehicle().retiming.depart_s.is_some()
     }

@@ -55,6 +55,8 @@ struct Wing {
     heading_rad: f64,
     bank_rad: f64,
     integral_rad: f64,
+    /// Over the ground, as a unit vector and a speed.
+    motion: ([f64; 2], f64),
 }
 
 impl Guidance {
@@ -173,11 +175,13 @@ impl Guidance {
             Some(_) => self.through_air(line, ground_mps),
             None => line.unit,
         };
+        let heading_rad = north_mps.atan2(east_mps);
         Wing {
             at: [at.east_m, at.north_m],
-            heading_rad: north_mps.atan2(east_mps),
+            heading_rad,
             bank_rad: 0.0,
             integral_rad: 0.0,
+            motion: self.over_ground(heading_rad, self.air_mps(line, ground_mps)),
         }
     }
 
@@ -190,23 +194,30 @@ impl Guidance {
     ) -> Vec<Fix> {
         let least_s = lines.iter().zip(grounds_mps);
         let least_s: f64 = least_s.map(|(line, speed)| line.length_m / speed).sum();
-        let (mut t_s, mut leg, mut fixes) = (0.0, 0, Vec::new());
-        while t_s < 2.0 * least_s + 60.0 {
-            let (line, speed_mps) = (&lines[leg], grounds_mps[leg]);
-            let gone_m = line.along(wing.at);
+        // What is the same all along a leg: how far before its end the next is turned onto, and the speed through the air.
+        let of_leg = |leg: usize| {
+            let (line, speed_mps): (&Line, f64) = (&lines[leg], grounds_mps[leg]);
             let before_m = turns_rad.get(leg).map_or(0.0, |turn_rad| {
                 let at = Amsl(knots[leg + 1].amsl_m);
                 self.turn_distance_m(*turn_rad, speed_mps, at)
             });
-            let left_m = (wing.at[0] - line.to.east_m).hypot(wing.at[1] - line.to.north_m);
-            if gone_m >= line.length_m || left_m <= before_m {
+            (line, before_m, self.air_mps(line, speed_mps))
+        };
+        let bank_share = 1.0 - (-STEP_S / self.bank_lag_s).exp();
+        let (mut t_s, mut leg, mut fixes) = (0.0, 0, Vec::new());
+        let (mut line, mut before_m, mut air_mps) = of_leg(leg);
+        while t_s < 2.0 * least_s + 60.0 {
+            let gone_m = line.along(wing.at);
+            if gone_m >= line.length_m || line.ends_within(before_m, wing.at) {
                 leg += 1;
                 if leg == lines.len() {
                     break;
                 }
+                (line, before_m, air_mps) = of_leg(leg);
+                wing.motion = self.over_ground(wing.heading_rad, air_mps);
                 continue;
             }
-            wing.step(self, line, self.air_mps(line, speed_mps));
+            wing.step(self, line, (air_mps, bank_share));
             t_s += STEP_S;
             let cross_track_m = line.cross_track_m(wing.at);
             let before = leg
@@ -235,8 +246,9 @@ fn lines(knots: &[Knot]) -> Vec<Line> {
 }
 
 impl Wing {
-    fn step(&mut self, guidance: &Guidance, line: &Line, air_mps: f64) {
-        let (velocity, speed_mps) = guidance.over_ground(self.heading_rad, air_mps);
+    /// One step along a leg, at a speed through the air, with the share of an error of bank that a step corrects.
+    fn step(&mut self, guidance: &Guidance, line: &Line, (air_mps, bank_share): (f64, f64)) {
+        let (velocity, speed_mps) = self.motion;
         let ahead_m = guidance.ahead_m(speed_mps);
         let aside = line.right(line.gone(self.at)) / ahead_m;
         let mut to_leg_rad = aside.clamp(-FRAC_1_SQRT_2, FRAC_1_SQRT_2).asin();
@@ -252,11 +264,11 @@ impl Wing {
         let demand_mps2 = gain * speed_mps * speed_mps / ahead_m * angle_rad.sin();
         let demand_rad = (demand_mps2 / GRAVITY_MPS2).atan();
         let demand_rad = demand_rad.clamp(-guidance.bank_rad, guidance.bank_rad);
-        self.bank_rad +=
-            (demand_rad - self.bank_rad) * (1.0 - (-STEP_S / guidance.bank_lag_s).exp());
+        self.bank_rad += (demand_rad - self.bank_rad) * bank_share;
         let across_mps2 = guidance.turning_share * GRAVITY_MPS2 * self.bank_rad.tan();
         self.heading_rad += across_mps2 / air_mps * STEP_S;
-        let (velocity, speed_mps) = guidance.over_ground(self.heading_rad, air_mps);
+        self.motion = guidance.over_ground(self.heading_rad, air_mps);
+        let (velocity, speed_mps) = self.motion;
         self.at[0] += speed_mps * velocity[0] * STEP_S;
         self.at[1] += speed_mps * velocity[1] * STEP_S;
     }

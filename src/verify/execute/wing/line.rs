@@ -63,7 +63,19 @@ impl Line {
         let gone = self.gone(at);
         let along_m = self.ahead(gone);
         let over_m = along_m - along_m.clamp(0.0, self.length_m);
-        self.right(gone).hypot(over_m)
+        if over_m == 0.0 {
+            self.right(gone).abs()
+        } else {
+            self.right(gone).hypot(over_m)
+        }
+    }
+
+    /// Whether its end is within a distance of a place.
+    pub(super) fn ends_within(&self, distance_m: f64, at: [f64; 2]) -> bool {
+        let (east_m, north_m) = (at[0] - self.to.east_m, at[1] - self.to.north_m);
+        // The root only where it may decide.
+        let is_far = east_m.abs().max(north_m.abs()) > distance_m + 1e-3;
+        !is_far && east_m.hypot(north_m) <= distance_m
     }
 
     /// Change of course to the next leg, radians.
