@@ -56,6 +56,7 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
         command::DO_SET_ROI,
     ],
     any_nan: false,
+    reads: None,
     // Altitudes are 24 bit centimetres.
     max_altitude_m: 83_000.0,
     max_hold_s: 65_535.0,

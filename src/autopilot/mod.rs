@@ -3,7 +3,7 @@
 //! | question | answer |
 //! |---|---|
 //! | What does ArduPlane do? | `ARDUPLANE` in `ardupilot.rs`: capacity, acceptance, modes, parameters, behaviour |
-//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`), with the airframe's [`Acceptance`] (`ardupilot.rs`, `px4.rs`); applied by `mission/accept/` |
+//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`), with the airframe's [`Acceptance`] (`ardupilot.rs`, `px4.rs`) and, of PX4, [`ReadParameters`]; applied by `mission/accept/` |
 //! | What reads back after an upload? | [`Stored`] (`stored_form.rs`), [`Conventions::packs_items`] |
 //! | How many items fit? | [`Facts::capacity`] |
 //! | Which figures does the verdict assume for a PX4 copter? | `px4.rs`: `COPTER.defaults` (speeds, acceleration) and `COPTER_BEHAVIOUR` (lateness, lean; the rest is ArduCopter's), each with version, samples and source ([`Measured`]); corners in `corner.rs` |
@@ -25,6 +25,7 @@ mod mavlink;
 mod modes;
 mod parameters;
 mod px4;
+mod read_parameters;
 mod stored_form;
 mod support;
 mod version;
@@ -44,6 +45,7 @@ pub use parameters::{
     COPTER_LEAN, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit, in_unit_of, name_in,
     other_name, parameter,
 };
+pub use read_parameters::ReadParameters;
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};
 pub use version::{InvalidVersion, Version, VersionRange};

@@ -7,10 +7,12 @@ use super::corner::{CornerLaw, Skips, Stops};
 use super::modes::{Modes, px4_auto};
 use super::support::{Evidence, Support};
 use super::version::version;
-use super::{Conventions, Defaults, Facts, command, frame, parameters, stored_form};
+use super::{
+    Conventions, Defaults, Facts, command, frame, parameters, read_parameters, stored_form,
+};
 
-/// PX4 on every airframe. Version 1.17 is stable, 1.18 in beta; 1.19 is `main` since July 2026
-/// (November 2026).
+/// PX4 on every airframe. Version 1.17 is stable, 1.18 in beta since July 2026, 1.19 is `main` after
+/// it (November 2026).
 pub(super) static CONVENTIONS: Conventions = Conventions {
     name: "PX4",
     key: "px4",
@@ -41,6 +43,7 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     here: &[],
     placeless: &[],
     any_nan: true,
+    reads: Some(&read_parameters::PX4),
     max_altitude_m: 83_000.0,
     max_hold_s: 65_535.0,
     precision_landing: true,
@@ -165,6 +168,7 @@ pub(super) static PLANE: Facts = Facts {
     },
     acceptance: Acceptance {
         needs_takeoff: true,
+        reads: Some(&read_parameters::PX4_WING),
         // `FeasibilityChecker::checkFixedWindLandApproach`.
         needs_approach: true,
         ..COPTER_ACCEPTANCE
@@ -200,6 +204,7 @@ pub(super) static VTOL: Facts = Facts {
     },
     acceptance: Acceptance {
         needs_takeoff: true,
+        reads: Some(&read_parameters::PX4_WING),
         // `NAV_FORCE_VT` 1, the default, flies 22 as 84 and 21 as 85.
         takeoffs: &[command::NAV_VTOL_TAKEOFF, command::NAV_TAKEOFF],
         landings: &[command::NAV_VTOL_LAND, command::NAV_LAND],
