@@ -133,6 +133,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     stop_late_s: STOP_LATE_S,
     // Lateness that grows with the legs was not measured.
     leg_late_s: NONE,
+    late_share: NONE,
     corner_late_s: Figure(&[measured(
         (0.2, "s"),
         version(4, 6),
@@ -313,6 +314,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     corners: Some(CornerLaw::Overlap),
     stops: Stops::ARDUCOPTER,
     skips: SKIPS,
+    heights_at_once: None,
     behaviour: COPTER_BEHAVIOUR,
     buffer_m: COPTER_BUFFER_M,
 };
@@ -358,6 +360,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     corners: None,
     stops: Stops::NONE,
     skips: Skips::NONE,
+    heights_at_once: None,
     behaviour: Behaviour {
         takeoff_early_s: TAKEOFF_EARLY_S,
         takeoff_late_s: NONE,

@@ -196,6 +196,9 @@ pub struct Facts {
     pub stops: Stops,
     /// What it stores and never starts.
     pub skips: Skips,
+    /// The versions in which a copter is at the altitude of the end of a leg soon after its beginning: a mission must
+    /// name such a version to be judged and flown by it.
+    pub heights_at_once: Option<VersionRange>,
     /// How it deviates from straight legs flown on time.
     pub behaviour: Behaviour,
     /// Buffer to every limit unless the spec says otherwise, metres: for errors of position and
@@ -222,6 +225,14 @@ impl Facts {
     pub fn parameter(&self, name: &str) -> Option<&'static ParameterRow> {
         let mut rows = self.parameters.iter().copied().flatten();
         rows.find(|row| row.name == name)
+    }
+
+    /// Whether a version is at the altitude of the end of a leg soon after its beginning. Without one it is taken not to
+    /// be: `fly` refuses a vehicle that is, then.
+    #[must_use]
+    pub fn has_heights_at_once(&self, version: Option<Version>) -> bool {
+        let range = self.heights_at_once;
+        range.is_some_and(|range| version.is_some_and(|of| range.contains(of)))
     }
 
     /// Stored form of `param1` to `param4` of a command.
