@@ -95,7 +95,7 @@ fn a_px4_copter_is_judged_at_the_altitude_of_the_end_of_its_leg_all_along() {
     }
 }
 
-/// 108 s to 121 s in 15 to 27 minutes were flown.
+/// 72 s to 115 s in 15 to 27 minutes were flown.
 #[test]
 fn a_px4_copter_of_1_18_loses_a_tenth_of_the_time_on_its_legs() {
     let late = |minor| {
