@@ -1,6 +1,8 @@
 //! Rules of acceptance that hold for every command; those of one command are in
 //! [`super::COMMANDS`].
 
+use super::read_parameters::ReadParameters;
+
 /// Greatest number of items that a vehicle stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capacity {
@@ -28,6 +30,8 @@ pub struct Acceptance {
     pub placeless: &'static [u16],
     /// Whether NaN means "the default" in every parameter.
     pub any_nan: bool,
+    /// The parameters that it reads, where it refuses numbers in others.
+    pub reads: Option<&'static ReadParameters>,
     /// Altitudes from this on do not fit, metres.
     pub max_altitude_m: f32,
     /// Longest hold at a waypoint, seconds.

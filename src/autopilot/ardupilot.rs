@@ -56,6 +56,7 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
         command::DO_SET_ROI,
     ],
     any_nan: false,
+    reads: None,
     // Altitudes are 24 bit centimetres.
     max_altitude_m: 83_000.0,
     max_hold_s: 65_535.0,
@@ -132,6 +133,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     stop_late_s: STOP_LATE_S,
     // Lateness that grows with the legs was not measured.
     leg_late_s: NONE,
+    late_share: NONE,
     corner_late_s: Figure(&[measured(
         (0.2, "s"),
         version(4, 6),
@@ -312,6 +314,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     corners: Some(CornerLaw::Overlap),
     stops: Stops::ARDUCOPTER,
     skips: SKIPS,
+    heights_at_once: None,
     behaviour: COPTER_BEHAVIOUR,
     buffer_m: COPTER_BUFFER_M,
 };
@@ -357,6 +360,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     corners: None,
     stops: Stops::NONE,
     skips: Skips::NONE,
+    heights_at_once: None,
     behaviour: Behaviour {
         takeoff_early_s: TAKEOFF_EARLY_S,
         takeoff_late_s: NONE,

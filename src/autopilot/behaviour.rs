@@ -98,6 +98,8 @@ pub struct Behaviour {
     pub stop_late_s: Figure,
     /// A leg may take this much longer than in the flight model, seconds.
     pub leg_late_s: Figure,
+    /// A leg may take this share of its time longer than in the flight model, besides, where heights are flown at once.
+    pub late_share: Figure,
     /// A corner that the vehicle slows down for may take this much longer than in the flight
     /// model, seconds.
     pub corner_late_s: Figure,
@@ -169,13 +171,14 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 19] {
+    pub fn figures(&self) -> [(&'static str, Figure); 20] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("early_share", self.early_share),
             ("takeoff_late_s", self.takeoff_late_s),
             ("stop_late_s", self.stop_late_s),
             ("leg_late_s", self.leg_late_s),
+            ("late_share", self.late_share),
             ("corner_late_s", self.corner_late_s),
             ("altitude_lag_s", self.altitude_lag_s),
             ("climb_out_share", self.climb_out_share),

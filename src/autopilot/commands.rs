@@ -3,7 +3,8 @@
 //! Unless a row names another source, ArduPilot's column is from
 //! `AP_Mission::mavlink_int_to_mission_cmd` and `sanity_check_params`, PX4's from
 //! `mavlink_mission.cpp` and `FeasibilityChecker::checkMissionItemValidity`.
-//! Rules that hold for every command (frames, ranges, counts) are in [`super::Acceptance`].
+//! Rules that hold for every command (frames, ranges, counts) are in [`super::Acceptance`]; the parameters that PX4
+//! reads of each are in [`super::ReadParameters`].
 
 use Motion::{Moves, NoMotion, Unknown};
 
@@ -37,8 +38,6 @@ pub enum Motion {
 /// Values of a parameter that an autopilot rejects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rejected {
-    /// Every number but 0; NaN is accepted.
-    NonZero,
     /// NaN.
     NaN,
     /// This number.
@@ -50,7 +49,6 @@ impl Rejected {
     #[must_use]
     pub fn holds(self, value: f32) -> bool {
         match self {
-            Self::NonZero => value.abs() > 0.0,
             Self::NaN => value.is_nan(),
             Self::Equal(number) => (value - f32::from(number)).abs() <= 0.0,
         }
@@ -60,7 +58,6 @@ impl Rejected {
     #[must_use]
     pub fn allowed(self) -> String {
         match self {
-            Self::NonZero => "0 or NaN".to_owned(),
             Self::NaN => "a number".to_owned(),
             Self::Equal(number) => format!("any number except {number}"),
         }
@@ -174,17 +171,6 @@ const OPTIONAL: CommandRule = rule(Location::Optional, NEVER);
 /// ArduPilot, `AP_Mission::stored_in_location`: a location in every frame.
 const STORED: CommandRule = rule(Location::Stored, NEVER);
 
-/// PX4 of 2026-07 and later rejects a number in a parameter that a command does not use.
-const fn unused(param: u8) -> ParamRule {
-    ParamRule {
-        param,
-        rejected: Rejected::NonZero,
-        frame: None,
-        versions: VersionRange::since(version(1, 19)),
-        source: "PX4 main since 2026-07 (#27541, mavlink_command_params.hpp)",
-    }
-}
-
 /// `DO_SET_ROI` in the frame of commands cannot be the mode `MAV_ROI_LOCATION`.
 const NO_ROI_LOCATION: &[ParamRule] = &[ParamRule {
     param: 1,
@@ -227,20 +213,19 @@ const fn px4(command: (u16, &'static str), motion: Motion) -> CommandRow {
 /// Every command that one of the autopilots accepts in a mission, by number.
 #[rustfmt::skip]
 pub static COMMANDS: &[CommandRow] = &[
-    px4((0, "NAV_IDLE"), Moves),
-    row((16, "NAV_WAYPOINT"), Moves, Some(at(YAW)), Some(at(YAW).but(&[unused(3)]))),
+    row((16, "NAV_WAYPOINT"), Moves, Some(at(YAW)), Some(at(YAW))),
     row((17, "NAV_LOITER_UNLIM"), Moves, Some(at(NEVER)), Some(at(YAW))),
     row((18, "NAV_LOITER_TURNS"), Moves, Some(at(NEVER)), None),
     row((19, "NAV_LOITER_TIME"), Moves, Some(at(NEVER)), Some(at(YAW))),
     both((20, "NAV_RETURN_TO_LAUNCH"), Moves),
-    row((21, "NAV_LAND"), Moves, Some(at(YAW)), Some(at(YAW).but(&[unused(3)]))),
+    row((21, "NAV_LAND"), Moves, Some(at(YAW)), Some(at(YAW))),
     row((22, "NAV_TAKEOFF"), Moves, Some(at(YAW)), Some(at(YAW))),
     row((30, "NAV_CONTINUE_AND_CHANGE_ALT"), Moves, Some(at(NEVER)), None),
     row((31, "NAV_LOITER_TO_ALT"), Moves, Some(at(NEVER)), Some(at(YAW))),
     row((36, "NAV_ARC_WAYPOINT"), Moves, Some(at(ALL_BUT_FIRST).since(version(4, 7))), None),
     row((82, "NAV_SPLINE_WAYPOINT"), Moves, Some(at(NEVER)), None),
     ardupilot((83, "NAV_ALTITUDE_WAIT"), Moves),
-    row((84, "NAV_VTOL_TAKEOFF"), Moves, Some(at(YAW)), Some(at(YAW).but(&[unused(2)]))),
+    row((84, "NAV_VTOL_TAKEOFF"), Moves, Some(at(YAW)), Some(at(YAW))),
     row((85, "NAV_VTOL_LAND"), Moves, Some(at(RADIUS_AND_YAW)), Some(at(YAW))),
     ardupilot((92, "NAV_GUIDED_ENABLE"),
         Unknown("NAV_GUIDED_ENABLE hands over to another computer")),
@@ -250,9 +235,9 @@ pub static COMMANDS: &[CommandRow] = &[
     ardupilot((114, "CONDITION_DISTANCE"), NoMotion),
     ardupilot((115, "CONDITION_YAW"), NoMotion),
     both((177, "DO_JUMP"), Moves),
-    row((178, "DO_CHANGE_SPEED"), Moves, Some(ACTION), Some(ACTION.but(&[unused(4)]))),
+    both((178, "DO_CHANGE_SPEED"), Moves),
     row((179, "DO_SET_HOME"), Unknown("DO_SET_HOME moves home, and altitudes above it"),
-        Some(STORED), Some(OPTIONAL)),
+        Some(STORED), Some(ACTION)),
     ardupilot((181, "DO_SET_RELAY"), NoMotion),
     ardupilot((182, "DO_REPEAT_RELAY"), NoMotion),
     ardupilot((183, "DO_SET_SERVO"), NoMotion),
@@ -291,7 +276,7 @@ pub static COMMANDS: &[CommandRow] = &[
     px4((260, "OBLIQUE_SURVEY"), Moves),
     px4((400, "COMPONENT_ARM_DISARM"), Moves),
     px4((530, "SET_CAMERA_MODE"), NoMotion),
-    both((531, "SET_CAMERA_ZOOM"), NoMotion),
+    ardupilot((531, "SET_CAMERA_ZOOM"), NoMotion),
     both((532, "SET_CAMERA_FOCUS"), NoMotion),
     both((534, "SET_CAMERA_SOURCE"), NoMotion),
     ardupilot((600, "JUMP_TAG"), NoMotion),

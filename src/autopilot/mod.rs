@@ -3,7 +3,7 @@
 //! | question | answer |
 //! |---|---|
 //! | What does ArduPlane do? | `ARDUPLANE` in `ardupilot.rs`: capacity, acceptance, modes, parameters, behaviour |
-//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`), with the airframe's [`Acceptance`] (`ardupilot.rs`, `px4.rs`); applied by `mission/accept/` |
+//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`), with the airframe's [`Acceptance`] (`ardupilot.rs`, `px4.rs`) and, of PX4, [`ReadParameters`]; applied by `mission/accept/` |
 //! | What reads back after an upload? | [`Stored`] (`stored_form.rs`), [`Conventions::packs_items`] |
 //! | How many items fit? | [`Facts::capacity`] |
 //! | Which figures does the verdict assume for a PX4 copter? | `px4.rs`: `COPTER.defaults` (speeds, acceleration) and `COPTER_BEHAVIOUR` (lateness, lean; the rest is ArduCopter's), each with version, samples and source ([`Measured`]); corners in `corner.rs` |
@@ -25,6 +25,7 @@ mod mavlink;
 mod modes;
 mod parameters;
 mod px4;
+mod read_parameters;
 mod stored_form;
 mod support;
 mod version;
@@ -44,6 +45,7 @@ pub use parameters::{
     COPTER_LEAN, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit, in_unit_of, name_in,
     other_name, parameter,
 };
+pub use read_parameters::ReadParameters;
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};
 pub use version::{InvalidVersion, Version, VersionRange};
@@ -194,6 +196,9 @@ pub struct Facts {
     pub stops: Stops,
     /// What it stores and never starts.
     pub skips: Skips,
+    /// The versions in which a copter is at the altitude of the end of a leg soon after its beginning: a mission must
+    /// name such a version to be judged and flown by it.
+    pub heights_at_once: Option<VersionRange>,
     /// How it deviates from straight legs flown on time.
     pub behaviour: Behaviour,
     /// Buffer to every limit unless the spec says otherwise, metres: for errors of position and
@@ -220,6 +225,14 @@ impl Facts {
     pub fn parameter(&self, name: &str) -> Option<&'static ParameterRow> {
         let mut rows = self.parameters.iter().copied().flatten();
         rows.find(|row| row.name == name)
+    }
+
+    /// Whether a version is at the altitude of the end of a leg soon after its beginning. Without one it is taken not to
+    /// be: `fly` refuses a vehicle that is, then.
+    #[must_use]
+    pub fn has_heights_at_once(&self, version: Option<Version>) -> bool {
+        let range = self.heights_at_once;
+        range.is_some_and(|range| version.is_some_and(|of| range.contains(of)))
     }
 
     /// Stored form of `param1` to `param4` of a command.

@@ -20,6 +20,17 @@ pub fn leg_late_s(vehicle: &Vehicle) -> f64 {
     behaviour.leg_late_s.value(vehicle.autopilot_version)
 }
 
+/// By how much longer a leg may take besides, as a share of its time: of vehicles with their heights at once.
+#[must_use]
+pub fn late_share(vehicle: &Vehicle) -> f64 {
+    let (facts, version) = (vehicle.facts(), vehicle.autopilot_version);
+    if facts.has_heights_at_once(version) {
+        facts.behaviour.late_share.value(version)
+    } else {
+        0.0
+    }
+}
+
 /// By how much a vehicle may be later after a corner that it slows down for, seconds.
 #[must_use]
 pub fn corner_late_s(vehicle: &Vehicle) -> f64 {

@@ -67,7 +67,7 @@ impl Profile {
     pub(crate) fn flight_software(self) -> u32 {
         match self {
             Self::ArduPilot => u32::from_be_bytes([4, 6, 3, 255]),
-            Self::Px4 => u32::from_be_bytes([1, 18, 0, 0]),
+            Self::Px4 => u32::from_be_bytes([1, 17, 0, 255]),
             Self::Generic => 0,
         }
     }

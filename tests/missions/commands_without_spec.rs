@@ -26,6 +26,7 @@ fn route(airframe: &str, middle: &str) -> String {
             "vtol" => row
                 .replace("3\t22\t15", "3\t84\t0")
                 .replace("3\t21\t", "3\t85\t"),
+            "copter" => row.replace("3\t22\t15", "3\t22\t0"),
             _ => row,
         }
     });

@@ -309,7 +309,9 @@ fn a_landing_sequence_has_an_altitude_for_ardupilot_and_frame_2_for_px4() {
     assert_eq!(one(ArduPilot, start(3, f32::NAN)), (2, "altitude"));
     assert_eq!(one(ArduPilot, start(2, f32::NAN)), (2, "altitude"));
     assert_eq!(one(ArduPilot, start(2, 90_000.0)), (2, "altitude"));
-    fine(Px4, start(2, 0.0));
+    fine(Px4, |mission| {
+        mission.items.insert(1, Item::without_place(189, [0.0; 4]));
+    });
     assert_eq!(one(Px4, start(3, 80.0)), (2, "frame"));
 }
 
@@ -331,7 +333,11 @@ fn ardupilot_checks_the_location_of_a_landing_sequence_in_frame_2_too() {
     assert_eq!(one(ArduPilot, start(950_000_000, 0)), (2, "latitude"));
     assert_eq!(one(ArduPilot, start(0, 1_900_000_000)), (2, "longitude"));
     fine(ArduPilot, start(0, 0));
-    fine(Px4, start(950_000_000, 0));
+    assert_eq!(one(Px4, start(950_000_000, 0)), (2, "unread parameter"));
+    fine(Px4, |mission| {
+        of_version(1, 17)(mission);
+        start(950_000_000, 0)(mission);
+    });
 }
 
 #[test]
@@ -344,36 +350,140 @@ fn px4_rejects_a_region_of_interest_at_a_location_in_the_frame_of_commands() {
         }
     };
     assert_eq!(one(Px4, roi(2, 3.0)), (2, "parameter value"));
-    fine(Px4, roi(2, 4.0));
-    fine(Px4, roi(3, 3.0));
+    assert_eq!(one(Px4, roi(2, 4.0)), (2, "unread parameter"));
+    fine(Px4, |mission| {
+        of_version(1, 17)(mission);
+        roi(3, 3.0)(mission);
+    });
     fine(ArduPilot, roi(2, 3.0));
 }
 
+fn of_version(major: u8, minor: u8) -> impl FnOnce(&mut VehicleMission) {
+    move |mission| mission.autopilot_version = Some(Version { major, minor })
+}
+
 #[test]
-fn px4_since_2026_07_rejects_numbers_in_unused_parameters() {
+fn px4_since_1_18_rejects_numbers_in_parameters_that_it_does_not_read() {
     let set = |index: usize, value: f32| {
         move |mission: &mut VehicleMission| mission.items[1].params[index] = value
     };
     let (item, rule, text) = only(Px4, set(2, 5.0));
-    assert_eq!((item, rule), (2, "parameter value"));
+    assert_eq!((item, rule), (2, "unread parameter"));
     assert!(
-        text.contains("param3 is 5 (allowed: 0 or NaN: PX4 main"),
+        text.contains("param3 is 5 (allowed: 0 or NaN: PX4 1.18"),
         "{text}"
     );
     fine(Px4, set(2, f32::NAN));
     fine(ArduPilot, set(2, 5.0));
     fine(Px4, |mission| {
-        mission.autopilot_version = Some(Version {
-            major: 1,
-            minor: 18,
-        });
+        of_version(1, 17)(mission);
         set(2, 5.0)(mission);
     });
-    let speed = |mission: &mut VehicleMission| {
-        let speed = Item::without_place(command::DO_CHANGE_SPEED, [1.0, 8.0, -1.0, 1.0]);
-        mission.items.insert(1, speed);
+    let (item, rule) = one(Px4, |mission| {
+        of_version(1, 18)(mission);
+        set(2, 5.0)(mission);
+    });
+    assert_eq!((item, rule), (2, "unread parameter"));
+}
+
+/// Each uploaded to PX4 1.18 beta in its own simulator: refused with 6 to 12, by the parameter.
+#[test]
+fn px4_1_18_reads_these_parameters_of_these_commands_alone() {
+    let unread: [(u16, &[u8]); 30] = [
+        (17, &[1, 2]),
+        (20, &[1, 2, 3, 4, 5, 6, 7]),
+        (22, &[1, 2, 3]),
+        (31, &[3]),
+        (93, &[5, 6, 7]),
+        (177, &[3, 4, 5, 6, 7]),
+        (178, &[4, 5, 6, 7]),
+        (189, &[1, 2, 3, 4, 5, 6, 7]),
+        (195, &[1, 2, 3, 4]),
+        (196, &[2, 3, 4, 5, 6, 7]),
+        (197, &[2, 3, 4, 5, 6, 7]),
+        (201, &[4, 5, 6, 7]),
+        (206, &[5, 6, 7]),
+        (211, &[3, 4, 5, 6, 7]),
+        (212, &[3, 4, 5, 6, 7]),
+        (214, &[4, 5, 6, 7]),
+        (400, &[3, 4, 5, 6, 7]),
+        (530, &[3, 4, 5, 6, 7]),
+        (532, &[4, 5, 6, 7]),
+        (534, &[4, 5, 6, 7]),
+        (2000, &[5, 6, 7]),
+        (2001, &[2, 3, 4, 5, 6, 7]),
+        (2003, &[5, 6, 7]),
+        (2500, &[4, 5, 6, 7]),
+        (2501, &[3, 4, 5, 6, 7]),
+        (3000, &[3, 4, 5, 6, 7]),
+        (42_600, &[5, 6, 7]),
+        // Not checked.
+        (1000, &[]),
+        (203, &[]),
+        (187, &[]),
+    ];
+    for (command, unread) in unread {
+        let placed = [17, 22, 31, 195].contains(&command);
+        let params = if placed { 1..=4 } else { 1..=7 };
+        for param in params {
+            let made = found(Px4, |mission| {
+                let mut item = match placed {
+                    true => at(command, 3, 80.0),
+                    false => Item::without_place(command, [0.0; 4]),
+                };
+                if command == command::DO_JUMP {
+                    item.params[0] = 1.0;
+                }
+                match param {
+                    5 => item.x = 1,
+                    6 => item.y = 1,
+                    7 => item.z = 1.0,
+                    _ => item.params[param - 1] = 1.0,
+                }
+                mission.items.insert(1, item);
+            });
+            let refused = made
+                .iter()
+                .any(|problem| problem.rule == "unread parameter");
+            let expected = unread.iter().any(|of| usize::from(*of) == param);
+            assert_eq!(refused, expected, "{command} param{param}: {made:?}");
+        }
+    }
+}
+
+/// Uploaded to PX4 1.18 beta: 10 (the latitude), 3 and 3.
+#[test]
+fn px4_rejects_a_region_of_interest_with_a_place_a_gate_and_a_zoom() {
+    let mut roi = at(201, 3, 10.0);
+    roi.params[0] = 3.0;
+    let gate = at(4501, 3, 80.0);
+    for item in [roi, gate] {
+        let add = |mission: &mut VehicleMission| mission.items.insert(1, item.clone());
+        assert_eq!(one(Px4, add), (2, "unread parameter"));
+        fine(Px4, |mission| {
+            of_version(1, 17)(mission);
+            add(mission);
+        });
+    }
+    let zoom = |mission: &mut VehicleMission| {
+        mission.items.insert(1, Item::without_place(531, [0.0; 4]));
     };
-    assert_eq!(one(Px4, speed), (2, "parameter value"));
+    assert_eq!(one(Px4, zoom), (2, "known command"));
+    let home = |mission: &mut VehicleMission| mission.items.insert(1, at(179, 3, 80.0));
+    assert_eq!(one(Px4, home), (2, "frame"));
+}
+
+/// The pitch of a takeoff: a copter has none.
+#[test]
+fn px4_1_18_reads_the_pitch_of_a_takeoff_on_a_wing_only() {
+    let pitched = |airframe| {
+        move |mission: &mut VehicleMission| {
+            mission.airframe = airframe;
+            mission.items[0].params[0] = 15.0;
+        }
+    };
+    assert_eq!(one(Px4, pitched(Airframe::Copter)), (1, "unread parameter"));
+    fine(Px4, pitched(Airframe::Vtol));
 }
 
 #[test]
@@ -617,7 +727,7 @@ fn arduplane_keeps_whole_numbers_and_no_hold() {
             "{index}: {value}"
         );
         let px4: &[_] = match index {
-            2 => &[(2, "parameter value")],
+            2 => &[(2, "unread parameter")],
             _ => &[],
         };
         assert_eq!(on_a_wing((Px4, Airframe::Plane), set), px4);

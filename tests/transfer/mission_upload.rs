@@ -941,7 +941,7 @@ fn a_foreign_upload_in_progress_is_waited_for() {
 fn a_vehicle_says_which_software_it_runs_and_px4_what_it_calls_its_lists() {
     for (profile, version, has_ids) in [
         (Profile::ArduPilot, "4.6.3", false),
-        (Profile::Px4, "1.18.0-dev", true),
+        (Profile::Px4, "1.17.0", true),
         (Profile::Generic, "", false),
     ] {
         let mission = mission(profile, 5);

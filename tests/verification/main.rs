@@ -12,6 +12,7 @@ mod curves;
 mod domes;
 mod fences;
 mod other_world;
+mod px4_heights;
 mod verify;
 mod verify_independent;
 mod verify_sampled;

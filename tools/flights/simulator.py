@@ -67,17 +67,19 @@ def px4(binary, kind, folder, instance, at, wind, speedup, sysid=1):
     # Without write permission of its own the copy could not be changed.
     shutil.copytree(binary.parent.parent / "etc", folder / "etc", copy_function=shutil.copyfile)
     port = 14550 + 10 * instance
-    (folder / "etc/init.d-posix/px4-rc.mavlink").write_text(PX4_LINK.format(own=18570 + instance, port=port))
     lat, lon, amsl_m, _ = at
     to_rad, speed_mps = math.radians(wind["from_deg"] + 180), wind["speed_mps"]
     own = {"PX4_SYS_AUTOSTART": PX4[kind], "PX4_SIMULATOR": "sihsim", "PX4_SIM_SPEED_FACTOR": speedup, "PX4_HOME_LAT": f"{lat:.7f}",
            "PX4_HOME_LON": f"{lon:.7f}", "PX4_HOME_ALT": amsl_m, "PX4_PARAM_MAV_SYS_ID": sysid}
+    parameters = {}
     if kind != "px4-copter":
         # Or it refuses a mission that ends in a circle.
-        own["PX4_PARAM_MIS_TKO_LAND_REQ"] = 0
+        parameters["MIS_TKO_LAND_REQ"] = 0
     if speed_mps:
-        own |= {"PX4_PARAM_SIH_WIND_N": round(speed_mps * math.cos(to_rad), 3),
-                "PX4_PARAM_SIH_WIND_E": round(speed_mps * math.sin(to_rad), 3)}
+        parameters |= {"SIH_WIND_N": round(speed_mps * math.cos(to_rad), 3), "SIH_WIND_E": round(speed_mps * math.sin(to_rad), 3)}
+    # In a script: 1.17 has defaults of the airframe after it has read the environment. (Its system id is instance + 1.)
+    script = "".join(f"param set {name} {value}\n" for name, value in parameters.items())
+    (folder / "etc/init.d-posix/px4-rc.mavlink").write_text(script + PX4_LINK.format(own=18570 + instance, port=port))
     command = [str(binary), "-d", "-i", str(instance), "-w", str(folder.resolve()), "-s", "etc/init.d-posix/rcS", str(folder.resolve() / "etc")]
     with open(folder / "simulator.txt", "w") as log:
         child = subprocess.Popen(command, cwd=folder, env={**os.environ, **{k: str(v) for k, v in own.items()}},
@@ -86,6 +88,9 @@ def px4(binary, kind, folder, instance, at, wind, speedup, sysid=1):
     until = time.monotonic() + 60
     while "Startup script returned" not in (folder / "simulator.txt").read_text(errors="replace") and time.monotonic() < until:
         time.sleep(0.2)
+    if "SIH_WIND_N not found" in (folder / "simulator.txt").read_text(errors="replace"):
+        end(child)
+        raise ValueError("this PX4 simulates no wind (1.18 and later do)")
     return child, f"udpin:127.0.0.1:{port}"
 
 

@@ -9,7 +9,7 @@ use crate::flight::conformance::proof::Tube;
 use crate::flight::conformance::reference::{Deviation, Reference};
 use crate::flight::conformance::takeoff::{TakeoffTube, landing_column_m};
 use crate::flight::record::Fix;
-use crate::path::{corner_late_s, leg_late_s, stop_late_s};
+use crate::path::{corner_late_s, late_share, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, AlarmKind, Vehicle};
 
 /// Error of lateness, seconds: positions are off, and plans linear between waypoints.
@@ -216,6 +216,8 @@ pub(super) fn assumed_late_s(of: &Watched<'_>, item: usize) -> f64 {
     let (vehicle, mission, plan) = (of.vehicle, of.mission, &of.plan);
     let behaviour = &vehicle.facts().behaviour;
     let takeoff_s = behaviour.takeoff_late_s.value(vehicle.autopilot_version);
+    let next = plan.waypoints.iter().find(|next| next.item >= item);
+    let flown_s = next.or(plan.waypoints.last()).map_or(0.0, |of| of.t_s);
     let behind = plan.waypoints.windows(2).filter(|pair| pair[0].item < item);
     let (mut legs, mut stops) = (0.0, 0.0);
     for pair in behind {
@@ -235,5 +237,6 @@ pub(super) fn assumed_late_s(of: &Watched<'_>, item: usize) -> f64 {
         + region_s
         + (stops + 1.0) * stop_late_s(vehicle)
         + legs * (leg_late_s(vehicle) + corner_late_s(vehicle))
+        + flown_s * late_share(vehicle)
         + holds_s
 }

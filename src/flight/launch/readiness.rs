@@ -35,8 +35,16 @@ pub(crate) fn home_problem(assumed: &Home, reported: &Home) -> Option<String> {
 
 /// The difference between the version that a mission is for and that of the vehicle.
 pub(crate) fn version_problem(mission: &VehicleMission, found: Option<Version>) -> Option<String> {
-    let planned = mission.autopilot_version?;
     let name = mission.autopilot.name();
+    let Some(planned) = mission.autopilot_version else {
+        let is_apart = mission.facts().has_heights_at_once(found);
+        return found.filter(|_| is_apart).map(|found| {
+            format!(
+                "it runs {name} {found}, which is at the altitude of the end of each leg soon after its beginning: \
+                 the verdict knows that of a mission with autopilot_version: \"{found}\" alone"
+            )
+        });
+    };
     match found {
         Some(found) if found == planned => None,
         Some(found) => Some(format!(
@@ -111,5 +119,35 @@ mod tests {
         assert_eq!(problem.as_deref(), Some(expected));
         assert!(version_problem(&mission, None).is_some());
         assert_eq!(version_problem(&mission.for_version(None), None), None);
+    }
+
+    #[test]
+    fn a_version_that_flies_heights_at_once_must_be_named() {
+        let version = |text: &str| text.parse::<Version>().ok();
+        let of = |autopilot, airframe, named| VehicleMission {
+            autopilot,
+            autopilot_version: named,
+            airframe,
+            home: Home {
+                x: 0,
+                y: 0,
+                amsl_m: 0.0,
+            },
+            items: Vec::new(),
+            fence: Vec::new(),
+            is_fence_known: true,
+            rally: Vec::new(),
+            params: Vec::new(),
+            notes: Vec::new(),
+        };
+        let unnamed = of(Autopilot::Px4, Airframe::Copter, None);
+        let problem = version_problem(&unnamed, version("1.18")).expect("refused");
+        assert!(problem.contains("autopilot_version: \"1.18\""), "{problem}");
+        assert_eq!(version_problem(&unnamed, version("1.17")), None);
+        assert_eq!(version_problem(&unnamed, None), None);
+        let named = of(Autopilot::Px4, Airframe::Copter, version("1.18"));
+        assert_eq!(version_problem(&named, version("1.18")), None);
+        let plane = of(Autopilot::Px4, Airframe::Plane, None);
+        assert_eq!(version_problem(&plane, version("1.18")), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::whole::commands;
 use super::{Finding, Profile};
-use crate::autopilot::{command, command_row};
+use crate::autopilot::{command, command_row, frame};
 use crate::mission::item::Item;
 
 pub(crate) fn known_command(profile: &Profile, item: &Item) -> Option<Finding> {
@@ -42,6 +42,37 @@ pub(crate) fn finite_parameters(profile: &Profile, item: &Item) -> Option<Findin
             "a number"
         };
         Some((format!("param{} is {value}", index + 1), allowed.to_owned()))
+    })
+}
+
+/// A number in a parameter that the autopilot does not read. `i32::MAX` is none in latitude and longitude, and in
+/// frames with a location 0 is a number there. Nothing more is said of an item in a wrong frame.
+pub(crate) fn unread_parameters(profile: &Profile, item: &Item) -> Option<Finding> {
+    let reads = profile.facts.acceptance.reads?;
+    let is_refused = [known_command, allowed_frame, parameter_values]
+        .iter()
+        .any(|check| check(profile, item).is_some());
+    let mut versions = profile.versions.iter();
+    if is_refused || !versions.any(|version| reads.versions.contains(*version)) {
+        return None;
+    }
+    let is_placed = item.frame != frame::MISSION;
+    let given = |e7: i32| (e7 != i32::MAX && (is_placed || e7 != 0)).then(|| degrees(e7));
+    let written = |value: f32| (value.abs() > 0.0).then(|| value.to_string());
+    let [p1, p2, p3, p4] = item.params.map(written);
+    let values = [
+        p1,
+        p2,
+        p3,
+        p4,
+        given(item.x),
+        given(item.y),
+        written(item.z),
+    ];
+    (1..).zip(values).find_map(|(param, value)| {
+        let found = format!("param{param} is {}", value?);
+        let allowed = || (found, format!("0 or NaN: {}", reads.source));
+        reads.refuses(item.command, param).then(allowed)
     })
 }
 

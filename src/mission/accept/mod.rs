@@ -96,6 +96,7 @@ static RULES: &[(&str, Check)] = &[
     ("frame", Check::Item(item::allowed_frame)),
     ("finite parameters", Check::Item(item::finite_parameters)),
     ("parameter value", Check::Item(item::parameter_values)),
+    ("unread parameter", Check::Item(item::unread_parameters)),
     ("latitude", Check::Item(item::latitude)),
     ("longitude", Check::Item(item::longitude)),
     ("a real place", Check::Item(item::real_place)),

@@ -78,6 +78,20 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          PX4 leaves on any course (ArduPlane 4.7.0-beta1, simulated, still air, did so in four flights; PX4 by its sources, not measured)",
     ),
     (
+        |s| s.mission.facts().heights_at_once.is_some() && s.mission.autopilot_version.is_none(),
+        "PX4 copters follow the slope of a leg, as up to 1.17: since 1.18 they are at the altitude of its end soon after its beginning and up to {px4_copter.late_share} of their time late, \
+         which is judged of missions with autopilot_version 1.18 or later alone (fly refuses such a vehicle otherwise)",
+    ),
+    (
+        |s| {
+            s.mission
+                .facts()
+                .has_heights_at_once(s.mission.autopilot_version)
+        },
+        "PX4 copters since 1.18 are judged at the altitude of the end of each leg all along, too, and up to {px4_copter.late_share} of the time on their legs late (three of 1.18 beta, simulated, still air: up to 25 m over and 26 m under the line of \
+         a leg, to and fro by up to 4 m around the altitude of a waypoint that another altitude follows, 72 to 115 s late after 15 to 27 minutes)",
+    ),
+    (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
         "PX4 copters fly corners as arcs within NAV_ACC_RAD, at the speed that half of accel_mps2 allows across (by its sources, not measured)",
     ),
@@ -85,7 +99,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
         "PX4 copters are up to {px4_copter.leg_late_s} later after every leg, and separation holds for any lateness up to that (measured on six PX4 1.16 alpha, simulated, still air: \
          6 to 10 s late over their homes, 1 to 1.7 s more after a corner or a change of slope, 20.7 s more after 23 legs, 4.6 s with a turn back, at most 2.1 m beside \
-         the way and 2.2 m over or under it); that the airframe can fly the speed of the spec, also in a descent, is assumed: one that could not was 44 s late after 7 minutes",
+         the way and 2.2 m over or under it; three of 1.17.0 on 5 to 10 km: 15 to 25 s late in all); that the airframe can fly the speed of the spec, also in a descent, is assumed: one that could not was 44 s late after 7 minutes",
     ),
     (
         |s| {

@@ -93,7 +93,10 @@ impl FlightVehicle<'_> {
 
     /// Whether its version matters and is not known yet.
     fn lacks_version(&self) -> bool {
-        self.of.mission.autopilot_version.is_some() && self.version.is_none()
+        let mission = self.of.mission;
+        let matters =
+            mission.autopilot_version.is_some() || mission.facts().heights_at_once.is_some();
+        matters && self.version.is_none()
     }
 
     /// Decides by everything that the vehicle has reported.

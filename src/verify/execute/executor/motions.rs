@@ -1,7 +1,9 @@
 //! Motions between two places, and stays.
 
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::path::{COUNTS_AFTER_S, heading_rad, leg_late_s, leg_late_share, stop_late_s};
+use crate::path::{
+    COUNTS_AFTER_S, heading_rad, late_share, leg_late_s, leg_late_share, stop_late_s,
+};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::{Legs, Rest, Slope};
 use crate::verify::execute::legs::{self, Knot};
@@ -105,8 +107,8 @@ impl Pilot<'_> {
         let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
         for pieces in run.pieces.chunk_by(|one, other| one.leg == other.leg) {
             let leg = pieces[0].leg;
-            self.trajectory.late_s += leg_late_s(self.vehicle);
             let lasts_s = pieces.iter().map(legs::Piece::duration_s).sum();
+            self.trajectory.late_s += leg_late_s(self.vehicle) + lasts_s * late_share(self.vehicle);
             self.count_on_sphere(&knots[leg..=leg + 1], lasts_s);
             firsts[leg] = self.trajectory.chords.len();
             for piece in pieces {

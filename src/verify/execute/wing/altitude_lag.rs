@@ -1,4 +1,4 @@
-//! How late and how early wings follow a commanded altitude; the figures are in
+//! How late and how early vehicles follow a commanded altitude; the figures are in
 //! [`crate::autopilot::Behaviour`].
 
 use crate::autopilot::{Autopilot, SLOPE_MIN};
@@ -27,9 +27,12 @@ pub(crate) fn lag_s(mission: &VehicleMission) -> f64 {
     figure.value(mission.autopilot_version)
 }
 
-/// Distance before a waypoint at which PX4 has its altitude, metres (`FixedWingPositionControl`, the
-/// altitude of a leg; assumed, not measured); 0 except on a wing of PX4.
+/// Distance before a waypoint at which PX4 has its altitude, metres: on a wing (`FixedWingPositionControl`, the
+/// altitude of a leg; assumed, not measured), and all the way on a copter with its heights at once; else 0.
 pub(crate) fn early_m(vehicle: &Vehicle, mission: &VehicleMission) -> f64 {
+    if (mission.facts()).has_heights_at_once(mission.autopilot_version) {
+        return f64::INFINITY;
+    }
     match (mission.autopilot, vehicle.wing) {
         (Autopilot::Px4, Some(wing)) => items::loiter_radius_m(mission)
             .unwrap_or(wing.loiter_radius_m)

@@ -1,5 +1,7 @@
-//! Altitudes of wings off the line of a leg: their altitude and speed controller (TECS)
-//! follows a slope late, and to ArduPlane small changes of altitude are no slopes.
+//! Altitudes off the line of a leg: the altitude and speed controller of wings (TECS) follows a slope late, to ArduPlane
+//! small changes of altitude are no slopes, and PX4 has the altitude of a waypoint before it.
+
+use std::ops::Range;
 
 use crate::geodesy::{EastNorth, PlanPoint};
 
@@ -15,7 +17,7 @@ const LASTS: f64 = 2.0;
 const TOLERANCE_M: f64 = 0.01;
 
 impl Pilot<'_> {
-    /// Lays the legs also where a wing may be over or under their lines, to be judged in
+    /// Lays the legs also where the vehicle may be over or under their lines, to be judged in
     /// space. `firsts` are the first chords of the legs.
     pub(crate) fn lay_altitude_offsets(
         &mut self,
@@ -30,8 +32,11 @@ impl Pilot<'_> {
             }
         }
         if self.early_m > 0.0 {
-            for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
+            let last = self.trajectory.chords.len();
+            for ((leg, pair), when) in knots.windows(2).enumerate().zip(self.times_s(firsts)) {
                 self.lay_early(&pair[0], &pair[1], when)?;
+                let next = firsts.get(leg + 1).copied().unwrap_or(last);
+                self.widen_early(firsts[leg]..next, pair);
             }
         }
         Ok(())
@@ -65,6 +70,17 @@ impl Pilot<'_> {
         }
         self.trajectory
             .lay_aside(chord(level_at, to.at), (1.0, 1.0), &line)
+    }
+
+    /// A copter may be at the altitude of the end of a leg wherever it is on it: for the separation.
+    fn widen_early(&mut self, of_leg: Range<usize>, leg: &[Knot]) {
+        if self.early_m.is_finite() {
+            return;
+        }
+        let rise_m = (leg[1].amsl_m - leg[0].amsl_m).abs();
+        for chord in &mut self.trajectory.chords[of_leg] {
+            chord.wide_m = chord.wide_m.max(rise_m);
+        }
     }
 
     /// When each leg begins and ends, seconds.
