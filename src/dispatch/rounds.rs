@@ -14,9 +14,11 @@ use super::{Dispatched, Job, Stage, crowd, judged, timed_zones};
 /// Rounds of planning that every fleet has. A violation that remains after them is a conflict in
 /// the spec, and the operator should see it soon.
 const ROUNDS: usize = 5;
-/// Most rounds, as long as each has fewer violations than all before. In a large fleet a vehicle
+/// Most rounds, as long as they have fewer violations than all before. In a large fleet a vehicle
 /// that gives way to a repaired one may fail for the first time in a late round.
 const MAX_ROUNDS: usize = 12;
+/// Rounds one after the other without fewer violations, after which no other is made.
+const FRUITLESS: usize = 2;
 
 /// Dispatches a fleet one vehicle after the other, with those that fail planned again.
 pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
@@ -48,35 +50,43 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     let mut latest = judged(job, &mut reviewer, (1, plan), None);
     // The best round, where that is not the latest.
     let mut best: Option<Dispatched> = None;
-    let mut improves = true;
-    let mut rounds = 1;
-    for round in 2..=MAX_ROUNDS {
-        let is_last = round > ROUNDS && !improves || is_entered(&latest);
-        if latest.review.passes() || is_last || run.is_cancelled() {
+    let mut violated = vec![latest.violated()];
+    while is_worth_another(&violated) {
+        if latest.review.passes() || is_entered(&latest) || run.is_cancelled() {
             break;
         }
         let again = strictness.tighten(spec, world, &latest.plan, &latest.review);
         if again.is_empty() {
             break;
         }
+        let round = violated.len() + 1;
         let plan = plan_again(round, &strictness, Some((&latest.plan, &again)));
         let next = judged(job, &mut reviewer, (round, plan), Some(&latest));
-        improves = next.violated() < best.as_ref().unwrap_or(&latest).violated();
+        let improves = next.violated() < best.as_ref().unwrap_or(&latest).violated();
+        violated.push(next.violated());
         let before = std::mem::replace(&mut latest, next);
         best = if improves {
             None
         } else {
             best.or(Some(before))
         };
-        rounds = round;
     }
     let mut best = best.unwrap_or(latest);
-    best.rounds = rounds;
+    best.rounds = violated.len();
     let mut best = without_remaining_pairs(job, &mut reviewer, best);
     if !best.review.passes() && !is_entered(&best) && !run.is_cancelled() {
         best.add_blockers(spec, world, run.seed, strictness);
     }
     best
+}
+
+/// Whether another round may leave fewer violations than those before, by what each of them left.
+fn is_worth_another(violated: &[usize]) -> bool {
+    let least = violated.iter().min();
+    let first_best = violated.iter().position(|count| Some(count) == least);
+    let fruitless = first_best.map_or(0, |best| violated.len() - 1 - best);
+    let made = violated.len();
+    made < MAX_ROUNDS && (made < ROUNDS || fruitless < FRUITLESS)
 }
 
 /// A large fleet with single vehicles of the pairs that are left moved apart, if that is better.
@@ -154,5 +164,27 @@ impl Dispatched {
                 blocked_by.extend(others);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_late_round_that_is_no_better_does_not_end_the_repairs_and_two_do() {
+        assert!(!is_worth_another(&[90, 80, 85, 85, 85]));
+        assert!(is_worth_another(&[90, 80, 60, 40, 20]));
+        assert!(is_worth_another(&[90, 80, 60, 13, 13]));
+        assert!(is_worth_another(&[90, 80, 60, 20, 13, 17]));
+        assert!(!is_worth_another(&[90, 80, 60, 20, 13, 17, 13]));
+    }
+
+    #[test]
+    fn every_fleet_has_the_first_rounds_and_none_more_than_the_most() {
+        assert!(is_worth_another(&[3, 9, 9, 9]));
+        let falling: Vec<usize> = (0..MAX_ROUNDS).rev().collect();
+        assert!(is_worth_another(&falling[..MAX_ROUNDS - 1]));
+        assert!(!is_worth_another(&falling));
     }
 }
