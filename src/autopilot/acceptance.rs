@@ -1,7 +1,7 @@
 //! Rules of acceptance that hold for every command; those of one command are in
 //! [`super::COMMANDS`].
 
-use super::read_parameters::ReadParameters;
+use super::commands::ReadParameters;
 
 /// Greatest number of items that a vehicle stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,11 @@
 //! `AP_Mission::mavlink_int_to_mission_cmd` and `sanity_check_params`, PX4's from
 //! `mavlink_mission.cpp` and `FeasibilityChecker::checkMissionItemValidity`.
 //! Rules that hold for every command (frames, ranges, counts) are in [`super::Acceptance`]; the parameters that PX4
-//! reads of each are in [`super::ReadParameters`].
+//! reads of each are in [`ReadParameters`].
+
+pub(super) mod read_parameters;
+
+pub use read_parameters::ReadParameters;
 
 use Motion::{Moves, NoMotion, Unknown};
 

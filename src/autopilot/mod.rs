@@ -25,7 +25,6 @@ mod mavlink;
 mod modes;
 mod parameters;
 mod px4;
-mod read_parameters;
 mod stored_form;
 mod support;
 mod version;
@@ -35,8 +34,8 @@ use serde::{Deserialize, Serialize};
 pub use acceptance::{Acceptance, Capacity};
 pub use behaviour::{Behaviour, Figure, MAX_LEAN_DEG, Measured};
 pub use commands::{
-    COMMANDS, CommandRow, CommandRule, Location, Motion, ParamRule, Rejected, command_name,
-    command_named, command_row,
+    COMMANDS, CommandRow, CommandRule, Location, Motion, ParamRule, ReadParameters, Rejected,
+    command_name, command_named, command_row,
 };
 pub use corner::{CornerLaw, Cornering, Skips, Stops, Turn};
 pub use mavlink::{command, frame};
@@ -45,7 +44,7 @@ pub use parameters::{
     COPTER_LEAN, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit, in_unit_of, name_in,
     other_name, parameter,
 };
-pub use read_parameters::ReadParameters;
+
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};
 pub use version::{InvalidVersion, Version, VersionRange};

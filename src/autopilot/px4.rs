@@ -3,13 +3,12 @@
 use super::acceptance::{Acceptance, Capacity};
 use super::ardupilot;
 use super::behaviour::{Behaviour, Figure, NONE, measured};
+use super::commands::read_parameters;
 use super::corner::{CornerLaw, Skips, Stops};
 use super::modes::{Modes, px4_auto};
 use super::support::{Evidence, Support};
 use super::version::{VersionRange, version};
-use super::{
-    Conventions, Defaults, Facts, command, frame, parameters, read_parameters, stored_form,
-};
+use super::{Conventions, Defaults, Facts, command, frame, parameters, stored_form};
 
 /// PX4 on every airframe. Version 1.17 is stable, 1.18 in beta since July 2026, 1.19 is `main` after
 /// it (November 2026).

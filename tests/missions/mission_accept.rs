@@ -458,7 +458,7 @@ fn px4_rejects_a_region_of_interest_with_a_place_a_gate_and_a_zoom() {
     roi.params[0] = 3.0;
     let gate = at(4501, 3, 80.0);
     for item in [roi, gate] {
-        let add = |mission: &mut VehicleMission| mission.items.insert(1, item.clone());
+        let add = |mission: &mut VehicleMission| mission.items.insert(1, item);
         assert_eq!(one(Px4, add), (2, "unread parameter"));
         fine(Px4, |mission| {
             of_version(1, 17)(mission);

@@ -103,8 +103,8 @@ fn a_px4_copter_of_1_18_loses_a_tenth_of_the_time_on_its_legs() {
         let mission = down(&vehicle);
         let spec = empty_spec(vec![vehicle]);
         let all = verified_trajectories(&spec, &world(&spec), &[(0, &mission)]);
-        let on_its_way = all[0].segments.iter().filter(|of| of.is_flown);
-        let last = on_its_way.filter(|of| of.to.item == 3).next_back();
+        let mut on_its_way = all[0].segments.iter().filter(|of| of.is_flown);
+        let last = on_its_way.rfind(|of| of.to.item == 3);
         let last = last.expect("a leg");
         (last.late_s, last.to.t_s)
     };

@@ -3,7 +3,7 @@
 //! Flown: every command of [`super::COMMANDS`] in frames 0, 2 and 3, one parameter at a time, was uploaded to a
 //! copter, a plane and a VTOL of PX4 1.18 beta (July 2026) in its own simulator.
 
-use super::version::{VersionRange, version};
+use crate::autopilot::version::{VersionRange, version};
 
 /// What one autopilot reads of each command on one airframe.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,7 @@ pub struct ReadParameters {
     /// command that is not in the list nothing is refused.
     pub commands: &'static [(u16, &'static [u8])],
     /// Pairs of a command and a parameter besides.
-    pub besides: &'static [(u16, u8)],
+    pub more: &'static [(u16, u8)],
     /// Where the list is from.
     pub source: &'static str,
 }
@@ -27,21 +27,21 @@ impl ReadParameters {
             .commands
             .binary_search_by_key(&command, |(command, _)| *command);
         row.is_ok_and(|row| !self.commands[row].1.contains(&param))
-            && !self.besides.contains(&(command, param))
+            && !self.more.contains(&(command, param))
     }
 }
 
 /// PX4 on rotors alone.
-pub(super) static PX4: ReadParameters = ReadParameters {
+pub(in crate::autopilot) static PX4: ReadParameters = ReadParameters {
     versions: VersionRange::since(version(1, 18)),
     commands: PX4_COMMANDS,
-    besides: &[],
+    more: &[],
     source: "PX4 1.18 and later (#27541, mavlink_command_params.hpp)",
 };
 
 /// On a wing the first parameter of a takeoff is the pitch.
-pub(super) static PX4_WING: ReadParameters = ReadParameters {
-    besides: &[(22, 1)],
+pub(in crate::autopilot) static PX4_WING: ReadParameters = ReadParameters {
+    more: &[(22, 1)],
     ..PX4
 };
 
