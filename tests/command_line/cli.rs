@@ -737,6 +737,21 @@ fn a_landing_where_another_vehicle_stands_is_warned_of() {
 }
 
 #[test]
+fn an_upload_says_which_version_of_px4_would_fly_other_heights_unless_the_spec_names_one() {
+    let spec = SPEC.replace("autopilot: ardupilot", "autopilot: px4");
+    for (named, says) in [("", true), ("    autopilot_version: \"1.18\"\n", false)] {
+        let spec = spec.replace("    link: sim\n", &format!("    link: sim\n{named}"));
+        let folder = folder_with(&spec);
+        let plan = sortie(folder.path(), &["plan", "hop.yaml"]);
+        assert_eq!(plan.status.code(), Some(0), "{}", text(&plan.stdout));
+        let output = sortie(folder.path(), &["upload", "out/hop", "--dry-run"]);
+        let said = text(&output.stderr);
+        let warning = "warning: alpha: PX4 1.18 and later flies other heights";
+        assert_eq!(said.contains(warning), says, "{said}");
+    }
+}
+
+#[test]
 fn an_airspeed_outside_of_the_default_limits_of_an_autopilot_is_warned_of() {
     let plane = fs::read_to_string(concat!(
         env!("CARGO_MANIFEST_DIR"),

@@ -43,6 +43,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         note(&format!("warning: {text}"));
     }
     warn_of_parked(&review);
+    warn_of_versions(&file, &missions);
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {
@@ -78,6 +79,26 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         table::print_no_buffers(&file.spec)?;
     }
     delivery.verdict()
+}
+
+/// Copters that later versions of their autopilot fly at other heights than judged, if they have such a version.
+fn warn_of_versions(file: &SpecFile, missions: &[(usize, VehicleMission)]) {
+    let mut ids = Vec::new();
+    let mut later = None;
+    for (vehicle, mission) in missions {
+        let range = mission.facts().heights_at_once;
+        if let Some(range) = range.filter(|_| mission.autopilot_version.is_none()) {
+            ids.push(file.spec.vehicles[*vehicle].id.as_str());
+            later = Some((mission.autopilot.name(), range));
+        }
+    }
+    if let Some((name, range)) = later {
+        note(&format!(
+            "warning: {}: {name} {range} flies other heights than these that were judged: with such a version \
+             the spec needs autopilot_version",
+            ids.join(", ")
+        ));
+    }
 }
 
 /// A spec and the mission files of the command line, and the folder of their records.
