@@ -44,7 +44,6 @@ pub use parameters::{
     COPTER_LEAN, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit, in_unit_of, name_in,
     other_name, parameter,
 };
-
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};
 pub use version::{InvalidVersion, Version, VersionRange};

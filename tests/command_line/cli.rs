@@ -737,7 +737,7 @@ fn a_landing_where_another_vehicle_stands_is_warned_of() {
 }
 
 #[test]
-fn an_upload_says_which_version_of_px4_would_fly_other_heights_unless_the_spec_names_one() {
+fn an_upload_says_which_versions_of_px4_fly_other_altitudes_unless_the_spec_names_one() {
     let spec = SPEC.replace("autopilot: ardupilot", "autopilot: px4");
     for (named, says) in [("", true), ("    autopilot_version: \"1.18\"\n", false)] {
         let spec = spec.replace("    link: sim\n", &format!("    link: sim\n{named}"));
@@ -746,7 +746,8 @@ fn an_upload_says_which_version_of_px4_would_fly_other_heights_unless_the_spec_n
         assert_eq!(plan.status.code(), Some(0), "{}", text(&plan.stdout));
         let output = sortie(folder.path(), &["upload", "out/hop", "--dry-run"]);
         let said = text(&output.stderr);
-        let warning = "warning: alpha: PX4 1.18 and later flies other heights";
+        let warning =
+            "warning: alpha: PX4 1.18 and later climbs and descends at the start of each leg";
         assert_eq!(said.contains(warning), says, "{said}");
     }
 }

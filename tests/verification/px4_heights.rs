@@ -2,7 +2,7 @@
 //! of a leg they are at the altitude of its end, and stay there.
 //!
 //! Flown on 2026-11-26 with PX4 1.18 beta in its own simulator: three copters on `missions/harbour.yaml` were up to
-//! 25 m above and 26 m below the lines of legs of 500 m, and up to 12 % of their time late.
+//! 25 m above and 26 m below the lines of legs of 500 m, and 72 to 115 s late after 15 to 27 minutes.
 
 use crate::support;
 use crate::support::missions;
@@ -95,7 +95,6 @@ fn a_px4_copter_is_judged_at_the_altitude_of_the_end_of_its_leg_all_along() {
     }
 }
 
-/// 72 s to 115 s in 15 to 27 minutes were flown.
 #[test]
 fn a_px4_copter_of_1_18_loses_a_tenth_of_the_time_on_its_legs() {
     let late = |minor| {
@@ -120,7 +119,7 @@ fn a_px4_copter_of_1_18_loses_a_tenth_of_the_time_on_its_legs() {
 /// Crossing 30 m under another, it may be at that one's altitude.
 #[test]
 fn a_separation_in_height_counts_with_the_altitude_of_the_end_of_the_leg() {
-    let [start, middle, goal] = ends();
+    let [_, middle, _] = ends();
     let apart_m = |minor| {
         let alpha = px4(minor);
         let mut beta = copter(
@@ -141,7 +140,6 @@ fn a_separation_in_height_counts_with_the_altitude_of_the_end_of_the_leg() {
             .expect("judged")
             .value
     };
-    assert!(start != goal);
     let (follows_m, at_once_m) = (apart_m(Some(17)), apart_m(Some(18)));
     assert!(at_once_m < follows_m - 5.0, "{at_once_m} {follows_m}");
 }

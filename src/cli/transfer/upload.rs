@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     delivery.verdict()
 }
 
-/// Copters that later versions of their autopilot fly at other heights than judged, if they have such a version.
+/// Warns of copters that a later version of their autopilot flies at other altitudes than judged.
 fn warn_of_versions(file: &SpecFile, missions: &[(usize, VehicleMission)]) {
     let mut ids = Vec::new();
     let mut later = None;
@@ -94,8 +94,8 @@ fn warn_of_versions(file: &SpecFile, missions: &[(usize, VehicleMission)]) {
     }
     if let Some((name, range)) = later {
         note(&format!(
-            "warning: {}: {name} {range} flies other heights than these that were judged: with such a version \
-             the spec needs autopilot_version",
+            "warning: {}: {name} {range} climbs and descends at the start of each leg, which was not judged: \
+             for such a version set autopilot_version and plan again",
             ids.join(", ")
         ));
     }

@@ -40,8 +40,8 @@ pub(crate) fn version_problem(mission: &VehicleMission, found: Option<Version>) 
         let is_apart = mission.facts().has_heights_at_once(found);
         return found.filter(|_| is_apart).map(|found| {
             format!(
-                "it runs {name} {found}, which is at the altitude of the end of each leg soon after its beginning: \
-                 the verdict knows that of a mission with autopilot_version: \"{found}\" alone"
+                "it runs {name} {found}, which is at the altitude of the end of each leg soon after its start: \
+                 that is judged only with autopilot_version: \"{found}\" in the spec"
             )
         });
     };
@@ -94,39 +94,18 @@ mod tests {
     use super::*;
     use crate::autopilot::{Airframe, Autopilot};
 
-    #[test]
-    fn a_mission_for_one_version_is_flown_by_that_version() {
-        let version = |text: &str| text.parse::<Version>().ok();
-        let mission = VehicleMission {
-            autopilot: Autopilot::ArduPilot,
-            autopilot_version: version("4.7"),
-            airframe: Airframe::Copter,
-            home: Home {
-                x: 0,
-                y: 0,
-                amsl_m: 0.0,
-            },
-            items: Vec::new(),
-            fence: Vec::new(),
-            is_fence_known: true,
-            rally: Vec::new(),
-            params: Vec::new(),
-            notes: Vec::new(),
-        };
-        assert_eq!(version_problem(&mission, version("4.7")), None);
-        let problem = version_problem(&mission, version("4.6"));
-        let expected = "it runs ArduPilot 4.6, the mission is for 4.7 (autopilot_version)";
-        assert_eq!(problem.as_deref(), Some(expected));
-        assert!(version_problem(&mission, None).is_some());
-        assert_eq!(version_problem(&mission.for_version(None), None), None);
+    fn version(text: &str) -> Option<Version> {
+        text.parse().ok()
     }
 
-    #[test]
-    fn a_version_that_flies_heights_at_once_must_be_named() {
-        let version = |text: &str| text.parse::<Version>().ok();
-        let of = |autopilot, airframe, named| VehicleMission {
+    fn mission(
+        autopilot: Autopilot,
+        airframe: Airframe,
+        autopilot_version: Option<Version>,
+    ) -> VehicleMission {
+        VehicleMission {
             autopilot,
-            autopilot_version: named,
+            autopilot_version,
             airframe,
             home: Home {
                 x: 0,
@@ -139,15 +118,30 @@ mod tests {
             rally: Vec::new(),
             params: Vec::new(),
             notes: Vec::new(),
-        };
-        let unnamed = of(Autopilot::Px4, Airframe::Copter, None);
+        }
+    }
+
+    #[test]
+    fn a_mission_for_one_version_is_flown_by_that_version() {
+        let mission = mission(Autopilot::ArduPilot, Airframe::Copter, version("4.7"));
+        assert_eq!(version_problem(&mission, version("4.7")), None);
+        let problem = version_problem(&mission, version("4.6"));
+        let expected = "it runs ArduPilot 4.6, the mission is for 4.7 (autopilot_version)";
+        assert_eq!(problem.as_deref(), Some(expected));
+        assert!(version_problem(&mission, None).is_some());
+        assert_eq!(version_problem(&mission.for_version(None), None), None);
+    }
+
+    #[test]
+    fn a_version_that_flies_heights_at_once_must_be_named() {
+        let unnamed = mission(Autopilot::Px4, Airframe::Copter, None);
         let problem = version_problem(&unnamed, version("1.18")).expect("refused");
         assert!(problem.contains("autopilot_version: \"1.18\""), "{problem}");
         assert_eq!(version_problem(&unnamed, version("1.17")), None);
         assert_eq!(version_problem(&unnamed, None), None);
-        let named = of(Autopilot::Px4, Airframe::Copter, version("1.18"));
+        let named = mission(Autopilot::Px4, Airframe::Copter, version("1.18"));
         assert_eq!(version_problem(&named, version("1.18")), None);
-        let plane = of(Autopilot::Px4, Airframe::Plane, None);
+        let plane = mission(Autopilot::Px4, Airframe::Plane, None);
         assert_eq!(version_problem(&plane, version("1.18")), None);
     }
 }
