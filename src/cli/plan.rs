@@ -101,11 +101,12 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
     let passes = dispatched.review.passes();
     let delivery = if arguments.upload && passes {
         runs::make(&runs::folder(&target))?;
-        let missions = dispatched
+        let missions: Vec<_> = dispatched
             .missions
             .iter()
             .map(|(vehicle, mission)| (*vehicle, mission))
             .collect();
+        upload::warn_of_versions(&file, &missions);
         Some(upload::deliver(&file, missions, &[], false, None)?)
     } else {
         None

@@ -744,11 +744,16 @@ fn an_upload_says_which_versions_of_px4_fly_other_altitudes_unless_the_spec_name
         let folder = folder_with(&spec);
         let plan = sortie(folder.path(), &["plan", "hop.yaml"]);
         assert_eq!(plan.status.code(), Some(0), "{}", text(&plan.stdout));
-        let output = sortie(folder.path(), &["upload", "out/hop", "--dry-run"]);
-        let said = text(&output.stderr);
-        let warning =
-            "warning: alpha: PX4 1.18 and later climbs and descends at the start of each leg";
-        assert_eq!(said.contains(warning), says, "{said}");
+        for arguments in [
+            &["upload", "out/hop", "--dry-run"][..],
+            &["plan", "hop.yaml", "--upload"],
+        ] {
+            let output = sortie(folder.path(), arguments);
+            let said = text(&output.stderr);
+            let warning =
+                "warning: alpha: PX4 1.18 and later climbs and descends at the start of each leg";
+            assert_eq!(said.contains(warning), says, "{said}");
+        }
     }
 }
 

@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         note(&format!("warning: {text}"));
     }
     warn_of_parked(&review);
-    warn_of_versions(&file, &missions);
+    warn_of_versions(&file, &judged);
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {
@@ -82,7 +82,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
 }
 
 /// Warns of copters that a later version of their autopilot flies at other altitudes than judged.
-fn warn_of_versions(file: &SpecFile, missions: &[(usize, VehicleMission)]) {
+pub(crate) fn warn_of_versions(file: &SpecFile, missions: &[(usize, &VehicleMission)]) {
     let mut ids = Vec::new();
     let mut later = None;
     for (vehicle, mission) in missions {
