@@ -12,7 +12,8 @@
 //!
 //! **PX4** (1.16 to 1.18, `PositionSmoothing` and `computeMaxSpeedInWaypoint`) limits the speed at a
 //! waypoint to that of a circle that touches both legs at the acceptance radius, with a share of
-//! the acceleration. This is from its sources and was not measured.
+//! the acceleration. That is the least it takes: 1.17 keeps the speed with which a turn begins until it heads for the
+//! next waypoint, and is slower than the circle then. [`MEASURED_LATE_S`] is what it lost.
 
 use super::command;
 
@@ -83,6 +84,30 @@ const MEASURED_MORE_S: [(f64, f64); 12] = [
     (150.0, 0.55),
     (180.0, 0.8),
 ];
+
+/// PX4 1.17.0, flown 2026-11-26 (simulator, still air, `MPC_ACC_HOR` 3 m/s^2): change of course, degrees, and by how many
+/// seconds longer a corner took than the legs through its waypoint, at each speed of [`MEASURED_AT_MPS`]. The mean of
+/// four corners, of the slower acceptance radius of 3 or 4 m and 10 m. 1.18 beta lost at most three quarters of it.
+const MEASURED_LATE_S: [(f64, [f64; 3]); 14] = [
+    (0.0, [0.0, 0.0, 0.0]),
+    (5.0, [0.5, 0.9, 1.2]),
+    (10.0, [0.5, 1.0, 1.7]),
+    (15.0, [0.9, 2.0, 2.5]),
+    (20.0, [1.1, 2.1, 3.1]),
+    (30.0, [1.6, 2.9, 4.0]),
+    (45.0, [2.2, 3.7, 4.9]),
+    (60.0, [3.0, 4.8, 5.6]),
+    (75.0, [3.7, 5.4, 6.2]),
+    (90.0, [5.0, 5.9, 7.1]),
+    (105.0, [5.1, 6.9, 7.9]),
+    (120.0, [6.3, 7.5, 8.7]),
+    (150.0, [6.7, 8.0, 9.8]),
+    (180.0, [6.7, 8.2, 10.5]),
+];
+/// The speeds of [`MEASURED_LATE_S`], m/s.
+const MEASURED_AT_MPS: [f64; 3] = [5.0, 8.0, 10.0];
+/// Its acceleration, m/s^2.
+const MEASURED_AT_MPS2: f64 = 3.0;
 
 /// What a copter's autopilot does at its corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,14 +216,10 @@ impl Cornering {
             return v_mps * half_rad / half_rad.tan();
         }
         let overlap_s = 2.0 * self.overlap_s(turn);
-        let more_s = measured_more_s(turn.angle_rad.to_degrees());
+        let more_s = at_turn(&MEASURED_MORE_S, turn.angle_rad.to_degrees());
         let lost_s = (self.ramp_s(v_mps) - overlap_s + more_s).max(0.0);
         let arc_m = taken_m / half_rad.tan() * turn.angle_rad;
-        let loses_s = |mps: f64| {
-            let slower_mps = v_mps - mps;
-            slower_mps * slower_mps / (self.accel_mps2 * v_mps) + arc_m / mps
-                - 2.0 * taken_m / v_mps
-        };
+        let loses_s = |mps: f64| self.braking_s(v_mps, mps) + arc_m / mps - 2.0 * taken_m / v_mps;
         // The loss falls with the speed.
         let (mut low_mps, mut high_mps) = (0.0, v_mps);
         for _ in 0..60 {
@@ -210,6 +231,38 @@ impl Cornering {
             }
         }
         high_mps
+    }
+
+    /// By how much longer a corner may take than its arc, seconds: what it may lose against the legs
+    /// through its waypoint, without what the arc loses, and slowing down for it.
+    #[must_use]
+    pub fn late_s(&self, turn: &Turn, taken_m: f64) -> f64 {
+        let half_rad = turn.half_rad();
+        if self.law != CornerLaw::Circle || half_rad < LEAST_RAD || taken_m <= 0.0 {
+            return 0.0;
+        }
+        // Slower ones as those of 5 m/s; faster ones as from 8 to 10 m/s.
+        let at_mps = turn.speed_mps.max(MEASURED_AT_MPS[0]);
+        let faster = if at_mps < MEASURED_AT_MPS[1] { 1 } else { 2 };
+        let (from_mps, to_mps) = (MEASURED_AT_MPS[faster - 1], MEASURED_AT_MPS[faster]);
+        let share = (at_mps - from_mps) / (to_mps - from_mps);
+        let rows = MEASURED_LATE_S.map(|(turn_deg, late_s)| {
+            let (from_s, to_s) = (late_s[faster - 1], late_s[faster]);
+            (turn_deg, from_s + share * (to_s - from_s))
+        });
+        let slower = (MEASURED_AT_MPS2 / self.accel_mps2).max(1.0);
+        let lost_s = slower * at_turn(&rows, turn.angle_rad.to_degrees());
+        let arc_m = taken_m / half_rad.tan() * turn.angle_rad;
+        let arc_mps = self.arc_mps(turn, taken_m);
+        let arc_s = self.braking_s(turn.speed_mps, arc_mps) + arc_m / arc_mps
+            - 2.0 * taken_m / turn.speed_mps;
+        (lost_s - arc_s).max(0.0)
+    }
+
+    /// What braking from a speed to a lower one and speeding up again costs, seconds.
+    fn braking_s(&self, from_mps: f64, to_mps: f64) -> f64 {
+        let slower_mps = from_mps - to_mps;
+        slower_mps * slower_mps / (self.accel_mps2 * from_mps)
     }
 
     /// The speed nearest to the waypoint, m/s.
@@ -314,12 +367,11 @@ impl Cornering {
     }
 }
 
-/// [`MEASURED_MORE_S`] at a change of course, linear in between.
-fn measured_more_s(turn_deg: f64) -> f64 {
-    let after = MEASURED_MORE_S.partition_point(|(at, _)| *at <= turn_deg);
-    let last = MEASURED_MORE_S.len() - 1;
-    let after = after.clamp(1, last);
-    let (from, to) = (MEASURED_MORE_S[after - 1], MEASURED_MORE_S[after]);
+/// What was measured by change of course, at one, degrees: linear in between.
+fn at_turn(rows: &[(f64, f64)], turn_deg: f64) -> f64 {
+    let after = rows.partition_point(|(at, _)| *at <= turn_deg);
+    let after = after.clamp(1, rows.len() - 1);
+    let (from, to) = (rows[after - 1], rows[after]);
     let share = ((turn_deg - from.0) / (to.0 - from.0)).clamp(0.0, 1.0);
     from.1 + (to.1 - from.1) * share
 }
@@ -410,7 +462,7 @@ mod tests {
         let lost_s = |turn_deg: f64| {
             let corner = turn(turn_deg, 7.1, 5.0);
             let overlap_s = 2.0 * law.overlap_s(&corner);
-            law.ramp_s(7.1) - overlap_s + super::measured_more_s(turn_deg)
+            law.ramp_s(7.1) - overlap_s + super::at_turn(&super::MEASURED_MORE_S, turn_deg)
         };
         let leg_s = 89.0 / 7.1 + 0.5 * (lost_s(64.0) + lost_s(89.0));
         assert!((leg_s - 16.3).abs() < 0.2, "{leg_s}");

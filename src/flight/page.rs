@@ -68,6 +68,7 @@ fn track(flight: &Flight) -> Track {
     Track {
         vehicle: flight.vehicle.clone(),
         moments: moments.collect(),
+        late_s: Vec::new(),
     }
 }
 

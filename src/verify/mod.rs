@@ -325,6 +325,9 @@ pub struct Track {
     pub vehicle: String,
     /// In order of time.
     pub moments: Vec<Moment>,
+    /// By how much the vehicle may be later than at each moment, seconds: what stops, corners and legs add to the
+    /// lateness of its takeoff. Empty where no verdict says.
+    pub late_s: Vec<f64>,
 }
 
 /// A limit with the bound that its value is compared with.

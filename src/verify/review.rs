@@ -352,13 +352,20 @@ impl<'a> Sortie<'a> {
         let repetition = self.flight.repetition;
         let flown = chords
             .filter(|(index, chord)| chord.flown && ![circles, repetition].contains(&Some(*index)));
-        let mut moments: Vec<Moment> = flown
-            .flat_map(|(_, chord)| [0.0, 1.0].map(|u| chord.moment(&world.frame, u)))
+        let mut ends: Vec<(Moment, f64)> = flown
+            .flat_map(|(_, chord)| {
+                [0.0, 1.0].map(|u| (chord.moment(&world.frame, u), chord.late_s))
+            })
             .collect();
-        moments.dedup();
+        ends.dedup_by(|(next, next_s), (moment, late_s)| {
+            *late_s = late_s.max(if next == moment { *next_s } else { 0.0 });
+            next == moment
+        });
+        let (moments, late_s) = ends.into_iter().unzip();
         Track {
             vehicle: self.vehicle.id.clone(),
             moments,
+            late_s,
         }
     }
 }

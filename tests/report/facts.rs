@@ -226,6 +226,7 @@ fn track(world: &World, id: &str, index: usize, path: &[TimedPoint]) -> Track {
     Track {
         vehicle: id.to_owned(),
         moments,
+        late_s: Vec::new(),
     }
 }
 

@@ -356,3 +356,61 @@ fn a_copter_that_counts_metres_on_a_sphere_is_late_to_the_north_and_early_to_the
     near(late_and_early(Autopilot::Px4, 0.0), 0.0021, 0.0);
     near(late_and_early(Autopilot::Px4, 90.0), 0.0, 0.0023);
 }
+
+/// PX4 1.17.0 (simulator, still air, 2026-11-26): speed, m/s; length of a leg, metres; acceptance radius, metres; change of course,
+/// degrees; seconds for a leg of a zigzag.
+const FLOWN_BY_PX4: [(f64, f64, f64, f64, f64); 10] = [
+    (5.0, 100.0, 10.0, 30.0, 21.5),
+    (5.0, 100.0, 10.0, 90.0, 24.8),
+    (5.0, 100.0, 10.0, 150.0, 26.5),
+    (5.0, 100.0, 3.0, 90.0, 23.9),
+    (6.5, 60.0, 10.0, 45.0, 11.9),
+    (6.5, 60.0, 10.0, 120.0, 15.5),
+    (8.0, 100.0, 10.0, 60.0, 17.1),
+    (8.0, 100.0, 10.0, 90.0, 18.2),
+    (10.0, 140.0, 10.0, 20.0, 16.8),
+    (10.0, 140.0, 4.0, 90.0, 20.0),
+];
+
+/// Seconds for each leg of a zigzag of a PX4 copter between corners on both sides, and by how much it may be later.
+fn px4_leg_s((speed_mps, length_m, radius_m, turn_deg): (f64, f64, f64, f64)) -> (f64, f64) {
+    let places = zigzag(12, length_m, turn_deg);
+    let vehicle = Vehicle {
+        autopilot: Autopilot::Px4,
+        speed_mps,
+        accel_mps2: 3.0,
+        ..copter("alpha", 1, places[0], places[12])
+    };
+    let mut items = vec![takeoff(places[0], UP_M), speed(speed_mps as f32)];
+    items.extend(places[1..].iter().map(|&place| {
+        let mut item = waypoint(place, UP_M);
+        item.params[1] = radius_m as f32;
+        item
+    }));
+    items.push(land(places[12]));
+    let mission = mission(&vehicle, GROUND_M, items);
+    let spec = empty_spec(vec![vehicle]);
+    let all = verified_trajectories(&spec, &world(&spec), &[(0, &mission)]);
+    let mut flown = all[0].segments.iter().filter(|of| of.is_flown);
+    let mut reached = |item| {
+        let last = flown.rfind(|of| of.to.item == item).expect("a leg");
+        (last.to.t_s, last.late_s)
+    };
+    let (last, first) = (reached(13), reached(3));
+    ((last.0 - first.0) / 10.0, (last.1 - first.1) / 10.0)
+}
+
+#[test]
+fn px4_copters_are_as_late_after_corners_as_they_were_flown() {
+    for (speed_mps, length_m, radius_m, turn_deg, flown_s) in FLOWN_BY_PX4 {
+        let (judged_s, late_s) = px4_leg_s((speed_mps, length_m, radius_m, turn_deg));
+        assert!(
+            judged_s < flown_s && flown_s < judged_s + late_s + 0.1,
+            "{turn_deg} degrees at {speed_mps} m/s: {judged_s:.2} s and {late_s:.2} s, flown {flown_s} s"
+        );
+        assert!(
+            judged_s + late_s < flown_s + 2.5,
+            "{turn_deg} {speed_mps}: {late_s}"
+        );
+    }
+}

@@ -22,6 +22,13 @@ JERK, PX4_TURNING = 1.0, 0.5
 # Change of course, degrees, and the seconds more than overlapping profiles take.
 MORE_DEG = [0, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 180]
 MORE_S = [0, 0, -0.4, -0.4, -0.1, 0, 0.1, 0.2, 0.3, 0.4, 0.55, 0.8]
+# PX4 1.17.0, flown: the same, and the seconds that a corner took more than the legs through its waypoint with 3 m/s2, by speed.
+LOST_DEG = [0, 5, 10, 15, 20, 30, 45, 60, 75, 90, 105, 120, 150, 180]
+LOST_S = {
+    5.0: [0, 0.5, 0.5, 0.9, 1.1, 1.6, 2.2, 3.0, 3.7, 5.0, 5.1, 6.3, 6.7, 6.7],
+    8.0: [0, 0.9, 1.0, 2.0, 2.1, 2.9, 3.7, 4.8, 5.4, 5.9, 6.9, 7.5, 8.0, 8.2],
+    10.0: [0, 1.2, 1.7, 2.5, 3.1, 4.0, 4.9, 5.6, 6.2, 7.1, 7.9, 8.7, 9.8, 10.5],
+}
 WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, TO_ALT, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 31, 93, 178
 
 
@@ -247,7 +254,9 @@ class Flight:
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
                 slower, radius = min(cruise[i : i + 2]), knots[i + 1].radius
-                if self.ardupilot and not self.profile.overlap(slower, half[i + 1], radius)[1]:
+                if not self.ardupilot:
+                    self.late += self.corner_late(half[i + 1], taken[i + 1], slower)
+                elif not self.profile.overlap(slower, half[i + 1], radius)[1]:
                     self.late += CORNER_LATE
             self.count_on_sphere(knots[i].at, knots[i + 1].at, self.motions[first:])
         self.late += STOP_LATE
@@ -305,6 +314,15 @@ class Flight:
             loses = (v - c) ** 2 / (self.vehicle["accel_mps2"] * v) + arc / c - 2 * taken / v
             low, high = (c, high) if loses > lost else (low, c)
         return high
+
+    def corner_late(self, half, taken, v):
+        """What a corner of PX4 may take more than its arc, and more than each leg may."""
+        accel, speeds = self.vehicle["accel_mps2"], sorted(LOST_S)
+        at = [float(np.interp(math.degrees(2 * half), LOST_DEG, LOST_S[speed])) for speed in speeds]
+        lost = float(np.interp(v, speeds, at)) + max(v - speeds[2], 0) * (at[2] - at[1]) / (speeds[2] - speeds[1])
+        c = self.corner_speed(half, taken, v, None)
+        arc = (v - c) ** 2 / (accel * v) + 2 * half * taken / math.tan(half) / c - 2 * taken / v
+        return max(max(lost * max(3.0 / accel, 1.0) - arc, 0.0) - PX4_LEG_LATE, 0.0)
 
     def passing(self, corner, lengths, taken):
         """Speeds at the knots."""

@@ -134,6 +134,7 @@ fn compare(
     let nowhen = |vehicle: &str| Track {
         vehicle: vehicle.to_owned(),
         moments: Vec::new(),
+        late_s: Vec::new(),
     };
     for (index, mission) in missions {
         let id = &file.spec.vehicles[*index].id;

@@ -9,7 +9,7 @@ use crate::flight::conformance::proof::Tube;
 use crate::flight::conformance::reference::{Deviation, Reference};
 use crate::flight::conformance::takeoff::{TakeoffTube, landing_column_m};
 use crate::flight::record::Fix;
-use crate::path::{corner_late_s, late_share, leg_late_s, stop_late_s};
+use crate::path::stop_late_s;
 use crate::spec::{Airframe, AlarmKind, Vehicle};
 
 /// Error of lateness, seconds: positions are off, and plans linear between waypoints.
@@ -210,33 +210,20 @@ fn has_come(plan: &Reference, here: &Here, found: &Deviation) -> bool {
     is_on_circle || found.t_s >= last.t_s - LATE_ERROR_S
 }
 
-/// How late the verdict assumes a vehicle at most on its way to an item, seconds: as
-/// [`crate::path`] has it, with the stops and legs behind it.
+/// How late the verdict assumes a vehicle at most on its way to an item, seconds: what its takeoff may be, and what
+/// stops, corners and legs add until the next waypoint. One stop more, and the longest hold: until it has left a waypoint,
+/// its place does not say for how long it has been there.
 pub(super) fn assumed_late_s(of: &Watched<'_>, item: usize) -> f64 {
-    let (vehicle, mission, plan) = (of.vehicle, of.mission, &of.plan);
+    let (vehicle, plan) = (of.vehicle, &of.plan);
     let behaviour = &vehicle.facts().behaviour;
     let takeoff_s = behaviour.takeoff_late_s.value(vehicle.autopilot_version);
     let next = plan.waypoints.iter().find(|next| next.item >= item);
-    let flown_s = next.or(plan.waypoints.last()).map_or(0.0, |of| of.t_s);
-    let behind = plan.waypoints.windows(2).filter(|pair| pair[0].item < item);
-    let (mut legs, mut stops) = (0.0, 0.0);
-    for pair in behind {
-        legs += 1.0;
-        let is_upright = pair[0].point.at.distance_m(pair[1].point.at) < 1.0;
-        stops += f64::from(u8::from(is_upright));
-    }
-    let rows = mission.items.iter().take(item);
+    let way_s = next.or(plan.waypoints.last()).map_or(0.0, |of| of.late_s);
+    let rows = of.mission.items.iter().take(item);
     let holds = rows.filter(|item| item.place().is_some() && item.params[0] > 0.0);
-    let mut holds_s = 0.0;
-    for hold in holds {
-        stops += 1.0;
-        holds_s = f64::from(hold.params[0]).max(holds_s);
-    }
+    let hold_s = holds.fold(0.0, |most_s: f64, hold| {
+        most_s.max(f64::from(hold.params[0]))
+    });
     let region_s = of.tube.takeoff.as_ref().map_or(0.0, TakeoffTube::late_s);
-    takeoff_s
-        + region_s
-        + (stops + 1.0) * stop_late_s(vehicle)
-        + legs * (leg_late_s(vehicle) + corner_late_s(vehicle))
-        + flown_s * late_share(vehicle)
-        + holds_s
+    takeoff_s + region_s + way_s + stop_late_s(vehicle) + hold_s
 }

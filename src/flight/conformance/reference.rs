@@ -5,7 +5,7 @@ use crate::flight::record::fix::Fix;
 use crate::geodesy::{AboveHome, Agl, Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::{Airframe, Autopilot};
-use crate::verify::{Moment, Track};
+use crate::verify::Track;
 use crate::world::World;
 
 /// A place that the mission goes to, and when.
@@ -19,6 +19,8 @@ pub struct Waypoint {
     pub t_s: f64,
     /// A wing circles around it, metres; 0 for a place that is flown to.
     pub radius_m: f64,
+    /// By how much the verdict lets it be later there, seconds, beyond what its takeoff is late.
+    pub late_s: f64,
 }
 
 /// A wing is on a circle that is flown this share of its radius too wide, and this far, metres.
@@ -55,6 +57,7 @@ impl Reference {
             point: home,
             t_s: track.moments.first().map_or(0.0, |moment| moment.t_s),
             radius_m: 0.0,
+            late_s: 0.0,
         }];
         let mut lands = false;
         for (index, item) in mission.items.iter().enumerate() {
@@ -74,6 +77,7 @@ impl Reference {
                     },
                     t_s: f64::NAN,
                     radius_m: 0.0,
+                    late_s: 0.0,
                 });
             }
             waypoints.push(Waypoint {
@@ -81,6 +85,7 @@ impl Reference {
                 point,
                 t_s: f64::NAN,
                 radius_m: circle_m(item, mission),
+                late_s: 0.0,
             });
         }
         let mut reference = Self {
@@ -90,7 +95,7 @@ impl Reference {
             follows_ground: mission.items.iter().any(follows_ground),
             frame: world.frame,
         };
-        reference.take_times(&track.moments, world);
+        reference.take_times(track, world);
         reference
     }
 
@@ -143,8 +148,9 @@ impl Reference {
 
     /// When the planned flight passes each waypoint: where its track is nearest to it,
     /// on the legs before and after.
-    fn take_times(&mut self, moments: &[Moment], world: &World) {
-        let track: Vec<(PlanPoint, f64, usize)> = moments
+    fn take_times(&mut self, flown: &Track, world: &World) {
+        let track: Vec<(PlanPoint, f64, usize)> = flown
+            .moments
             .iter()
             .map(|moment| {
                 let point = PlanPoint {
@@ -154,6 +160,11 @@ impl Reference {
                 (point, moment.t_s, moment.item)
             })
             .collect();
+        let late_s = |t_s: f64| {
+            let until = flown.moments.partition_point(|moment| moment.t_s <= t_s);
+            let late_s = flown.late_s.get(until).or(flown.late_s.last());
+            late_s.copied().unwrap_or(0.0)
+        };
         let mut last_s = self.waypoints.first().map_or(0.0, |first| first.t_s);
         let items: Vec<usize> = self.waypoints.iter().map(|w| w.item).collect();
         for (index, waypoint) in self.waypoints.iter_mut().enumerate().skip(1) {
@@ -173,11 +184,13 @@ impl Reference {
                 last_s = t_s.max(last_s);
             }
             waypoint.t_s = last_s;
+            waypoint.late_s = late_s(last_s);
         }
         let track_end_s = track.last().map_or(last_s, |last| last.1);
         self.end_s = if self.lands { track_end_s } else { last_s };
         if let (true, Some(last)) = (self.lands, self.waypoints.last_mut()) {
             last.t_s = track_end_s;
+            last.late_s = late_s(track_end_s);
         }
     }
 

@@ -122,11 +122,14 @@ struct WaypointLine {
     /// A wing circles around it for ever; 0 for a place that is flown to.
     #[serde(default, skip_serializing_if = "is_none")]
     radius_m: f64,
+    /// What the verdict lets it be later, beyond its takeoff.
+    #[serde(default, skip_serializing_if = "is_none")]
+    late_s: f64,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
-fn is_none(radius_m: &f64) -> bool {
-    *radius_m <= 0.0
+fn is_none(value: &f64) -> bool {
+    *value <= 0.0
 }
 
 /// A threat on a line.
@@ -222,6 +225,7 @@ impl Line {
                 amsl_m: waypoint.point.amsl.0,
                 t_s: rounded(waypoint.t_s),
                 radius_m: waypoint.radius_m,
+                late_s: rounded(waypoint.late_s),
             }
         };
         Self::Plan {
@@ -298,6 +302,7 @@ impl PlanLine {
                 },
                 t_s: line.t_s,
                 radius_m: line.radius_m,
+                late_s: line.late_s,
             })
         };
         let waypoints = self.waypoints.into_iter().map(waypoint);

@@ -80,6 +80,7 @@ impl NewMission {
             point: self.origin,
             t_s: now_s,
             radius_m: 0.0,
+            late_s: 0.0,
         };
         self.plan.reference = Reference::of_waypoints(
             std::iter::once(origin).chain(ahead).collect(),

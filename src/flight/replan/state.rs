@@ -132,6 +132,7 @@ impl VehicleState {
         let no_times = Track {
             vehicle: String::new(),
             moments: Vec::new(),
+            late_s: Vec::new(),
         };
         let reference = Reference::new(&held, &no_times, &plan.world);
         let (origin, mut ahead) = split_path(&reference, row);

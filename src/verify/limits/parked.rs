@@ -109,6 +109,7 @@ mod tests {
         Track {
             vehicle: vehicle.to_owned(),
             moments: vec![moment(from, from_s), moment(to, to_s)],
+            late_s: Vec::new(),
         }
     }
 

@@ -93,7 +93,8 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
-        "PX4 copters fly corners as arcs within NAV_ACC_RAD, at the speed that half of accel_mps2 allows across (by its sources, not measured)",
+        "PX4 copters fly corners as arcs within NAV_ACC_RAD, at the speed that half of accel_mps2 allows across (by its sources), and are as late after each as 1.17.0 was: at 5 m/s 2 s where the course changes by 45 degrees and 5 s at right angles, at 10 m/s 5 and 7 s \
+         (measured in its simulator, still air, zigzags of 5 to 180 degrees)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,

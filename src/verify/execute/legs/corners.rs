@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::{Knot, Room, Shape};
 use crate::autopilot::{Cornering, Turn};
 use crate::geodesy::{Amsl, EastNorth};
-use crate::path::{VehicleLimits, corner_late_s};
+use crate::path::{VehicleLimits, corner_late_s, leg_late_s};
 use crate::spec::Vehicle;
 
 /// A corner between two legs and the circle that rounds it.
@@ -37,12 +37,17 @@ impl Corner {
             .map_or(0.0, |_| self.taken_m * (0.5 * half_rad).tan())
     }
 
-    /// By how much a vehicle may be later after it, seconds.
+    /// By how much a vehicle may be later after it, seconds, beyond what it may be after each leg.
     pub(super) fn late_s(&self, vehicle: &Vehicle) -> f64 {
-        match self.flown {
-            Some((law, turn)) if law.takes_time(&turn) => corner_late_s(vehicle),
-            _ => 0.0,
-        }
+        let Some((law, turn)) = self.flown else {
+            return 0.0;
+        };
+        let takes_s = if law.takes_time(&turn) {
+            corner_late_s(vehicle)
+        } else {
+            0.0
+        };
+        takes_s + (law.late_s(&turn, self.taken_m) - leg_late_s(vehicle)).max(0.0)
     }
 }
 
