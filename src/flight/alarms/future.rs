@@ -100,7 +100,7 @@ impl Alarms<'_> {
         let here = of.here?;
         let at = (here.fix.t_s, axes(&here.point));
         let stands = !of.duty.flies || !of.duty.is_up;
-        if of.duty.flies && !stands && (!of.is_on_plan() || of.tube.is_off) {
+        if of.duty.flies && !stands && (of.has_left_plan(t_s) || of.tube.is_off) {
             return Some(straight_on(at, here.velocity_mps));
         }
         let first = of.plan.waypoints.first()?;

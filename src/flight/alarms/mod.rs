@@ -117,6 +117,9 @@ struct Standing {
     seen_s: f64,
 }
 
+/// Heartbeats come each second, and two of them may be lost, seconds.
+const BEATS_S: f64 = 3.0;
+
 /// The alarms of a fleet in flight.
 #[derive(Debug)]
 pub struct Alarms<'a> {
@@ -387,5 +390,12 @@ impl Watched<'_> {
     /// Whether it flies its mission, as far as its heartbeat shows.
     fn is_on_plan(&self) -> bool {
         self.duty.flies && !self.duty.is_ordered && self.onboard.flies_mission(self.mission)
+    }
+
+    /// Whether it flies something else at a time: once its heartbeats had the time to show its start.
+    fn has_left_plan(&self, t_s: f64) -> bool {
+        let starts_s = self.plan.waypoints.first().map_or(0.0, |home| home.t_s);
+        let is_shown = self.onboard.was_in_mission() || t_s - starts_s > BEATS_S;
+        self.duty.is_ordered || is_shown && !self.is_on_plan()
     }
 }

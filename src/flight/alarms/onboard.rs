@@ -151,6 +151,11 @@ impl Onboard {
         differs.map(|(what, _)| what.clone())
     }
 
+    /// Whether a heartbeat showed that it flew its mission.
+    pub(super) fn was_in_mission(&self) -> bool {
+        self.was_in_mission
+    }
+
     /// Whether its heartbeat shows that it flies its mission.
     pub(super) fn flies_mission(&self, mission: &VehicleMission) -> bool {
         let beat = self.beat;
