@@ -46,7 +46,7 @@ import numpy as np
 
 from second.earth import A, Ground
 from second.fleets import make_fleet
-from second.flight import Flight, read_items, read_radius
+from second.flight import Flight, read_items, read_parameter, read_radius
 from second.minima import ceiling, clearance, separation, slope_clearance, to_threat
 from second.wing import WingFlight, read_params
 from second.wing_fleets import KINDS, make_pair, make_wing
@@ -119,6 +119,7 @@ class Comparison:
         self.threats = {f"threat {threat['id']}": threat for threat in spec.get("threats", [])}
 
     def flight(self, vehicle, path):
+        vehicle["takeoff_mps"] = read_parameter(path, "MPC_TKO_SPEED", 1.5)
         if vehicle["airframe"] != "copter":
             return WingFlight(vehicle, read_items(path), self.ground, self.spec, read_params(path), self.origin)
         radius = read_radius(path, vehicle["autopilot"] == "ardupilot")

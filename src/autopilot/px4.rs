@@ -245,6 +245,15 @@ pub(super) static VTOL: Facts = Facts {
             3,
             "PX4 1.18 alpha, simulated, 4 m/s of wind: 20.0, 23.2 and 29.2 s late on their ways",
         )]),
+        // `Mission::handleTakeoff` turns the nose to where its takeoff is from where it hovers: any course, where both are
+        // one place. On legs to the north, east, south and west it was 3 to 38 m beside them; 2 m where the takeoff
+        // was 60 m ahead on the leg.
+        transition_m: Figure(&[measured(
+            (45.0, "m"),
+            version(1, 18),
+            7,
+            "PX4 1.17.0 and 1.18 beta, simulated, still air: 41 m from the end of the climb, on any course",
+        )]),
         // Assumed: QuadPlanes of ArduPlane were measured.
         max_wind_mps: ardupilot::QUADPLANE_MAX_WIND_MPS,
         ..WING_BEHAVIOUR

@@ -3,7 +3,7 @@
 #![allow(clippy::cast_possible_truncation)]
 
 use sortie::geodesy::LatLon;
-use sortie::mission::{Home, Item, VehicleMission, command, frame};
+use sortie::mission::{Home, Item, Parameter, VehicleMission, command, frame};
 use sortie::spec::Vehicle;
 
 pub const GROUND_M: f64 = 400.0;
@@ -42,6 +42,15 @@ pub fn speed(speed_mps: f32) -> Item {
 
 pub fn delay(delay_s: f32) -> Item {
     Item::without_place(command::NAV_DELAY, [delay_s, 0.0, 0.0, 0.0])
+}
+
+/// PX4 takes off as fast as it climbs, as plans set it.
+pub fn quick_takeoff() -> Parameter {
+    Parameter {
+        name: "MPC_TKO_SPEED".to_owned(),
+        value: 10.0,
+        why: String::new(),
+    }
 }
 
 pub fn mission(vehicle: &Vehicle, home_m: f64, items: Vec<Item>) -> VehicleMission {

@@ -319,7 +319,8 @@ fn late_and_early(autopilot: Autopilot, course_deg: f64) -> (f64, f64) {
         autopilot,
         ..slow("alpha", 1, places[0], places[1])
     };
-    let mission = along(&vehicle, &places, 2.0);
+    let mut mission = along(&vehicle, &places, 2.0);
+    mission.params.push(missions::quick_takeoff());
     let spec = empty_spec(vec![vehicle]);
     let all = verified_trajectories(&spec, &world(&spec), &[(0, &mission)]);
     let on_its_way = all[0]

@@ -310,9 +310,12 @@ fn a_px4_copter_may_be_later_after_every_leg() {
         let mut beta = copter("beta", 2, north, south);
         (alpha.autopilot, beta.autopilot) = (autopilot, autopilot);
         beta.depart_s = 40.0;
-        let first = level(&alpha, GROUND_M + 80.0, &[west(), quarter, east()]);
+        let mut first = level(&alpha, GROUND_M + 80.0, &[west(), quarter, east()]);
         let mut late = level(&beta, GROUND_M + 80.0, &[north, south]);
         late.items.insert(0, delay(40.0));
+        for mission in [&mut first, &mut late] {
+            mission.params.push(missions::quick_takeoff());
+        }
         find(
             &judge(&empty_spec(vec![alpha, beta]), &[&first, &late]),
             Limit::Separation,

@@ -12,7 +12,8 @@ from .shapes import Height, Line, Point
 ORBIT_PIECES = 100  # of half an orbit in wind
 APART_M = 15.0  # lines that stand for a region
 WIDE_SHARE, INSIDE_SHARE, LEVEL_M, ALIGNED_REACH = 0.75, 0.2, 6.0, 1.2
-TRANSITION_M, DRIFT_S, DRIFT_SHARE, SIDES, LANDING_DRIFT_S = 80.0, 21.0, 0.8, 12, 20.0
+TRANSITION_M = {"ardupilot": 80.0, "px4": 45.0}
+DRIFT_S, DRIFT_SHARE, SIDES, LANDING_DRIFT_S = 21.0, 0.8, 12, 20.0
 ARRIVAL_DEG, ARRIVAL_LEGS = 10.0, 3
 
 
@@ -191,15 +192,19 @@ class Circles:
                     self.lay(a, b, amsl + up, amsl + up)
 
     def region(self, amsl):
-        """Where a QuadPlane may be after its climb."""
+        """Where a VTOL may be after its climb; a QuadPlane is driven off by the wind besides."""
         middle = self.flat(self.home)
         wind = self.wind["speed_mps"] if self.wind else 0.0
+        turns = TRANSITION_M[self.vehicle["autopilot"]] + 2 * self.turn_radius
+        self.late += turns / max(self.vehicle["speed_mps"] - wind, 1.0)
+        if not self.ardupilot:
+            wind = 0.0
         drift = DRIFT_SHARE * wind * (amsl - self.home.amsl) / self.vehicle["climb_mps"]
         if drift > 0:
             for side in range(SIDES):
                 at = self.plane.place(middle + drift * direction(2 * math.pi * side / SIDES))
                 self.grounded.append(Line(self.home.at, at, Height(False, self.home.amsl, amsl)))
-        self.hull = Hull(middle, amsl, TRANSITION_M + 2 * self.turn_radius + drift + DRIFT_S * wind, True)
+        self.hull = Hull(middle, amsl, turns + drift + DRIFT_S * wind, True)
 
     def driven(self, middle, ground, top):
         """Where a QuadPlane may come down that the wind has from behind."""
@@ -216,7 +221,7 @@ class Circles:
                 at = self.plane.place(middle + radius * direction(2 * math.pi * k / count))
                 self.grounded.append(Point(at, Height(False, ground, top)))
 
-    def leave_hull(self, flat, knots, heights, cruise):
+    def leave_hull(self, flat, knots, heights, cruise, firsts):
         if self.hull is None:
             return
         hull, self.hull, last = self.hull, None, 0
@@ -224,6 +229,8 @@ class Circles:
             if leg > 0 and math.hypot(*(p - hull.middle)) >= hull.reach:
                 break
             last = leg
+            for motion in self.motions[firsts[leg] : firsts[leg + 1]]:
+                motion.wide = max(motion.wide, hull.reach)
             for at in hull.rim(q):
                 self.lay(at, q, hull.amsl, knots[leg + 1].amsl)
                 high = hull.amsl + self.level
@@ -231,7 +238,7 @@ class Circles:
                     self.lay(at, q, high, high)
                 for height in heights[leg]:
                     self.along_leg(at, p, q, height)
-        if hull.any_course and len(knots) > last + 2:
+        if hull.any_course and self.law is not None and len(knots) > last + 2:
             self.arrivals(hull, last, flat, knots, heights, cruise)
 
     def along_leg(self, at, p, q, height):

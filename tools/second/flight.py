@@ -34,12 +34,17 @@ WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, TO_ALT, DELAY, SPEED = 16, 17, 19, 
 
 def read_radius(path, ardupilot):
     """The acceptance radius that the parameters beside a `.waypoints` file set, or the default."""
-    name, unit, default = ("WPNAV_RADIUS", 100, 2.0) if ardupilot else ("NAV_ACC_RAD", 1, 10.0)
+    name, unit, default = ("WPNAV_RADIUS", 100, 200.0) if ardupilot else ("NAV_ACC_RAD", 1, 10.0)
+    return read_parameter(path, name, default) / unit
+
+
+def read_parameter(path, name, default):
+    """A parameter in the file beside a `.waypoints` file."""
     beside = Path(path).with_name(Path(path).name.split(".")[0] + ".params")
     for line in beside.read_text().splitlines() if beside.exists() else []:
         fields = line.replace(",", " ").split()
         if name in fields:
-            return float(fields[fields.index(name) + 1]) / unit
+            return float(fields[fields.index(name) + 1])
     return default
 
 
@@ -180,9 +185,15 @@ class Flight:
         amsl, _ = self.resolve(item, self.home.at)
         self.knots = [self.home]
         self.lift(amsl)
+        self.late += self.slow_takeoff()
         if not self.ardupilot and distance(item["at"], self.home.at) > self.tolerance:
             self.append(Knot(item["at"], amsl, None, self.speed))
             self.stop()
+
+    def slow_takeoff(self):
+        """The first 10 m of PX4 on rotors."""
+        climb = self.vehicle["climb_mps"]
+        return 0.0 if self.ardupilot else 10 / min(self.vehicle["takeoff_mps"], climb) - 10 / climb
 
     def head(self, item):
         amsl, agl = self.resolve(item, item["at"])

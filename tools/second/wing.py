@@ -12,6 +12,8 @@ from .l1 import STEP_S, WAY_M, Law, air_ratio
 from .shapes import Arc, Height, Line
 
 TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
+# PX4 turns the nose of a VTOL to the place of its takeoff, metres.
+LEAST_AHEAD = 20.0
 ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
 OFF_M = 0.01  # less than this is no offset
 SMALL_CLIMB_M = 15.0
@@ -222,12 +224,13 @@ class WingFlight(Circles, Flight):
         amsl = self.home.amsl + math.trunc(z * 100) / 100 if self.ardupilot else self.resolve(item, self.home.at)[0]
         self.knots = [WingKnot(self.home.at, self.home.amsl)]
         self.lift(amsl)
+        self.late += self.slow_takeoff()
         self.knots, self.moving = [WingKnot(self.home.at, amsl)], 0.0
-        if self.ardupilot:
+        ahead = 0.0 if self.ardupilot else distance(item["at"], self.home.at)
+        if ahead < LEAST_AHEAD:
             self.region(amsl)
-        elif distance(item["at"], self.home.at) > self.tolerance:
+        if ahead > self.tolerance:
             self.append(WingKnot(item["at"], amsl, None, self.speed))
-            self.legs(0.0)
 
     def descend(self):
         """On rotors; a QuadPlane that comes with the wind from behind is driven off."""
@@ -265,9 +268,10 @@ class WingFlight(Circles, Flight):
         half, taken = self.corners(knots, legs)
         first, last = first_speed * cruise[0] / knots[1].speed, last_speed * cruise[-1] / knots[-1].speed
         passing = self.passing_wing(cruise, lengths, taken, (first, last))
-        times = []
+        times, firsts = [], []
         for i, leg in enumerate(legs):
             begin = self.t
+            firsts.append(len(self.motions))
             self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i][1], passing[i + 1][0], cruise[i])
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.round(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
@@ -284,7 +288,7 @@ class WingFlight(Circles, Flight):
             if len(knots) > 2:
                 fixes = self.law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)
                 self.lay_way(flat, knots, heights, fixes)
-        self.leave_hull(flat, knots, heights, cruise)
+        self.leave_hull(flat, knots, heights, cruise, [*firsts, len(self.motions)])
         self.late += 0.0 if last_speed > 0 else STOP_LATE
 
     def along(self, origin):

@@ -197,6 +197,11 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
         "a QuadPlane goes on from its climb where its nose points, anywhere, and turns from there: it is judged anywhere within {quadplane.transition_m} and two turn radii of the end of its climb, and between there and its first place (4.7.0-dev, simulated, nose backwards: 180 m beside its first leg)",
     ),
     (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Vtol,
+        "a VTOL of PX4 turns its nose to the place of its takeoff before its transition: where that is less than 20 m away it is judged anywhere within {px4_vtol.transition_m} and two turn radii of the end of its climb, and between there and its first place \
+         (1.17.0 and 1.18 beta, simulated, still air: up to 38 m beside its first leg then, at most 4 m with the takeoff ahead on it, where every plan has it)",
+    ),
+    (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
         "PX4 on a wing is {px4_plane.altitude_lag_s} of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
          such legs are judged there too, and with the altitude of their end NAV_LOITER_RAD before it, by its sources as well (neither was measured)",

@@ -1,6 +1,6 @@
 //! Takeoffs on rotors.
 
-use crate::geodesy::{Amsl, LatLon};
+use crate::geodesy::{Amsl, EastNorth, LatLon};
 use crate::mission::VehicleMission;
 use crate::spec::{Airframe, Autopilot};
 use crate::verify::execute::decode::Unknown;
@@ -13,11 +13,26 @@ use super::{Pilot, is_launched};
 const LEAST_TAKEOFF_M: f64 = 2.5;
 /// ArduCopter climbs by this at least (`ModeAuto::takeoff_start`), metres.
 const LEAST_CLIMB_M: f64 = 1.0;
+/// Default of PX4's `MPC_LAND_ALT1`, metres.
+const SLOW_TAKEOFF_M: f64 = 10.0;
+/// PX4 knows the course to the place of its takeoff if that is so far away, metres.
+const LEAST_AHEAD_M: f64 = 20.0;
 
 /// How far PX4 climbs at least on rotors, metres (`Mission::calculate_takeoff_altitude`).
 fn least_takeoff_m(mission: &VehicleMission) -> f64 {
     let held = mission.param("MIS_TAKEOFF_ALT").filter(|m| m.is_finite());
     held.unwrap_or(LEAST_TAKEOFF_M)
+}
+
+/// How much longer than at its climb rate PX4 takes on rotors for its first metres, seconds (`MPC_TKO_SPEED` below
+/// `MPC_LAND_ALT1`). Plans set both rates alike; what was measured of their takeoffs does not have it.
+fn slow_takeoff_s(mission: &VehicleMission, climb_mps: f64) -> f64 {
+    if mission.autopilot != Autopilot::Px4 || mission.airframe == Airframe::Plane {
+        return 0.0;
+    }
+    let takeoff_mps = mission.param_or_default_si("MPC_TKO_SPEED");
+    let takeoff_mps = takeoff_mps.unwrap_or(climb_mps).clamp(0.1, climb_mps);
+    SLOW_TAKEOFF_M / takeoff_mps - SLOW_TAKEOFF_M / climb_mps
 }
 
 impl Pilot<'_> {
@@ -67,23 +82,48 @@ impl Pilot<'_> {
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
         self.lift(row, amsl_m, self.vehicle.climb_mps, true);
-        self.drift_up(row, self.here());
-        if let Some(at) = at {
-            let at = self.reach(row, at)?;
-            if at.distance_m(home.at) > self.tolerance_m {
-                let knot = self.knot(row, at, amsl_m, None);
-                self.append(knot)?;
-                self.stop()?;
-                // That was still the takeoff, not the route.
-                self.flight.route.clear();
-            }
+        self.trajectory.late_s += slow_takeoff_s(mission, self.vehicle.climb_mps);
+        let aside = at.map(|at| self.reach(row, at)).transpose()?;
+        let aside = aside.filter(|at| at.distance_m(home.at) > self.tolerance_m);
+        if self.vehicle.airframe == Airframe::Vtol {
+            self.transition(row, aside, amsl_m)?;
+        } else if let Some(at) = aside {
+            let knot = self.knot(row, at, amsl_m, None);
+            self.append(knot)?;
+            self.stop()?;
+            // That was still the takeoff, not the route.
+            self.flight.route.clear();
         }
-        let start = self.stations.start;
-        if self.here().distance_m(start) <= self.tolerance_m {
+        self.begin_route();
+        Ok(())
+    }
+
+    /// From the top of its climb a VTOL flies on where its nose points. PX4 turns it to the place of its takeoff
+    /// first (`Mission::handleTakeoff`), and passes that on its wing.
+    fn transition(
+        &mut self,
+        row: usize,
+        aside: Option<EastNorth>,
+        amsl_m: f64,
+    ) -> Result<(), Unknown> {
+        let ahead = aside.filter(|at| at.distance_m(self.home.at) >= LEAST_AHEAD_M);
+        if ahead.is_none() {
+            self.drift_up(row, self.here());
+        }
+        if let Some(at) = aside {
+            self.begin_route();
+            let knot = self.knot(row, at, amsl_m, None);
+            self.append(knot)?;
+        }
+        Ok(())
+    }
+
+    /// The route begins at its start, if the vehicle is there.
+    fn begin_route(&mut self) {
+        if self.here().distance_m(self.stations.start) <= self.tolerance_m {
             self.phase = Phase::Route;
             self.mark();
         }
-        Ok(())
     }
 
     /// A takeoff in the air: ArduCopter climbs where it is, and never descends for it.
