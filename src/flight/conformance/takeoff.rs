@@ -47,7 +47,7 @@ impl TakeoffTube {
             return None;
         }
         let climb_m = top.point.amsl.0 - home.point.amsl.0;
-        let region = at_its_fastest(vehicle).planned_takeoff_region(climb_m)?;
+        let region = at_its_fastest(vehicle).takeoff_region(climb_m)?;
         let begins = std::iter::once(top).chain(rest);
         // The first leg, and further ones that begin within the region.
         let legs = begins.zip(rest).enumerate().take_while(|(leg, (from, _))| {

@@ -1,7 +1,6 @@
 //! The items of planes and vtol: takeoff along a course or on rotors, turns onto the routes
 //! and off them, circles, glides.
 
-use super::encode::degrees_e7;
 use super::stops::{FIRST_REST_S, trigger};
 use super::{ItemWriter, float};
 use crate::autopilot::command;
@@ -14,10 +13,6 @@ use crate::world::{Departure, NoData, Stations};
 /// A route that ends in a circle ends this many radii before its middle: from there the
 /// vehicle flies to the rim.
 const OUTSIDE: f64 = 3.0;
-
-/// How far ahead on its first leg a VTOL has the place of its takeoff, metres; half of a shorter leg. Real ones of PX4 kept within
-/// 4 m of the leg with 8 m and with 60 m; with none they left on any course, 41 m away.
-const TAKEOFF_AHEAD_M: f64 = 60.0;
 
 /// The way of a mission so far, and the items that make it.
 struct ItemList {
@@ -109,29 +104,7 @@ impl ItemWriter<'_> {
         } else {
             self.winged_landing(&mut list, touchdown, approach)?;
         }
-        self.turn_nose(&mut list.items, stations);
         Ok(list.items)
-    }
-
-    /// Has the takeoff of a VTOL ahead on its first leg where the autopilot reads the place: it turns its nose there.
-    fn turn_nose(&self, items: &mut [Item], stations: &Stations) {
-        let reads_place = self.vehicle.autopilot.conventions().reads_takeoff_location;
-        let is_vtol = self.vehicle.airframe == Airframe::Vtol;
-        let (frame, home) = (self.spec.frame, stations.home.at);
-        let is_takeoff = |item: &Item| item.command == command::NAV_VTOL_TAKEOFF;
-        let mut others = items.iter().filter(|item| !is_takeoff(item));
-        let first = others
-            .find_map(Item::place)
-            .map(|place| frame.to_plan(place));
-        let takeoff = items.iter_mut().find(|item| is_takeoff(item));
-        if let (true, Some(first), Some(takeoff)) = (is_vtol && reads_place, first, takeoff) {
-            let share = (TAKEOFF_AHEAD_M / home.distance_m(first).max(1.0)).min(0.5);
-            let ahead = EastNorth {
-                east_m: home.east_m + share * (first.east_m - home.east_m),
-                north_m: home.north_m + share * (first.north_m - home.north_m),
-            };
-            (takeoff.x, takeoff.y) = degrees_e7(frame.from_plan(ahead));
-        }
     }
 
     /// Up, to where the way to the route begins.

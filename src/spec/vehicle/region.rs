@@ -48,17 +48,6 @@ impl TakeoffRegion {
 }
 
 impl Vehicle {
-    /// The region of its plan: none where that has its nose turned to its first leg.
-    #[must_use]
-    pub fn planned_takeoff_region(&self, climb_m: f64) -> Option<TakeoffRegion> {
-        let is_turned = self.autopilot.conventions().reads_takeoff_location;
-        if is_turned {
-            None
-        } else {
-            self.takeoff_region(climb_m)
-        }
-    }
-
     /// The region after a climb of a height, metres; none for a vehicle that keeps its column.
     #[must_use]
     pub fn takeoff_region(&self, climb_m: f64) -> Option<TakeoffRegion> {

@@ -61,7 +61,7 @@ impl Check<'_> {
             speed_mps: vehicle.speeds().least,
             ..vehicle.clone()
         };
-        let Some(region) = slowest.planned_takeoff_region(start.amsl.0 - ground.0) else {
+        let Some(region) = slowest.takeoff_region(start.amsl.0 - ground.0) else {
             return;
         };
         let what = match vehicle.home == vehicle.start.place {
