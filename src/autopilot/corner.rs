@@ -87,7 +87,7 @@ const MEASURED_MORE_S: [(f64, f64); 12] = [
 
 /// PX4 1.17.0, flown 2026-11-26 (simulator, still air, `MPC_ACC_HOR` 3 m/s^2): change of course, degrees, and by how many
 /// seconds longer a corner took than the legs through its waypoint, at each speed of [`MEASURED_AT_MPS`]. The mean of
-/// four corners, of the slower acceptance radius of 3 or 4 m and 10 m. 1.18 beta lost at most three quarters of it.
+/// four corners, of the slower acceptance radius of 3 or 4 m and 10 m. 1.18 beta lost at most four fifths of it.
 const MEASURED_LATE_S: [(f64, [f64; 3]); 14] = [
     (0.0, [0.0, 0.0, 0.0]),
     (5.0, [0.5, 0.9, 1.2]),

@@ -246,8 +246,8 @@ pub(super) static VTOL: Facts = Facts {
             "PX4 1.18 alpha, simulated, 4 m/s of wind: 20.0, 23.2 and 29.2 s late on their ways",
         )]),
         // `Mission::handleTakeoff` turns the nose to where its takeoff is from where it hovers: any course, where both are
-        // one place. On legs to the north, east, south and west it was 3 to 38 m beside them; 2 m where the takeoff
-        // was 60 m ahead on the leg.
+        // one place. On legs to the north, east, south and west it was 3 to 38 m beside them; at most 4.2 m
+        // where the takeoff was 8 or 60 m ahead on the leg.
         transition_m: Figure(&[measured(
             (45.0, "m"),
             version(1, 18),

@@ -414,7 +414,7 @@ fn a_quadplane_beside_its_second_leg_is_judged_as_low_as_one_was_flown_there() {
 }
 
 /// PX4 1.17.0 and 1.18 beta (simulator, still air, seventeen takeoffs): up to 38 m beside their first legs where the
-/// takeoff was at home, at most 4 m where it was 8 or 60 m ahead.
+/// takeoff was at home, at most 4.2 m where it was 8 or 60 m ahead.
 #[test]
 fn a_vtol_of_px4_is_judged_around_its_climb_unless_its_takeoff_is_ahead() {
     let (mut spec, mut mission) = quadplane(Autopilot::Px4);

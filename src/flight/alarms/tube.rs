@@ -224,6 +224,5 @@ pub(super) fn assumed_late_s(of: &Watched<'_>, item: usize) -> f64 {
     let hold_s = holds.fold(0.0, |most_s: f64, hold| {
         most_s.max(f64::from(hold.params[0]))
     });
-    let region_s = of.tube.takeoff.as_ref().map_or(0.0, TakeoffTube::late_s);
-    takeoff_s + region_s + way_s + stop_late_s(vehicle) + hold_s
+    takeoff_s + way_s + stop_late_s(vehicle) + hold_s
 }

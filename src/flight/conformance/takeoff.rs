@@ -76,11 +76,6 @@ impl TakeoffTube {
         item <= self.top_item && at.distance_m(self.middle) <= self.region.drift_m + self.buffer_m
     }
 
-    /// By how much it may be late besides, seconds.
-    pub(crate) fn late_s(&self) -> f64 {
-        self.region.late_s
-    }
-
     fn outside_m(&self, at: EastNorth, to: EastNorth) -> f64 {
         let off_rad = heading_rad(self.middle, at) - heading_rad(self.middle, to);
         let (sin, cos) = off_rad.sin_cos();

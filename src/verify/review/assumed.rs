@@ -199,7 +199,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Vtol,
         "a VTOL of PX4 turns its nose to the place of its takeoff before its transition: where that is less than 20 m away it is judged anywhere within {px4_vtol.transition_m} and two turn radii of the end of its climb, and between there and its first place \
-         (1.17.0 and 1.18 beta, simulated, still air: up to 38 m beside its first leg then, at most 4 m with the takeoff ahead on it; in 4 m/s of wind five of five could not keep that heading and gave their missions up)",
+         (1.17.0 and 1.18 beta, simulated, still air: up to 38 m beside its first leg then, at most 4.2 m with the takeoff ahead on it; in 4 m/s of wind five of five could not keep that heading and gave their missions up)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),

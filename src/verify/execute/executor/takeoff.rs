@@ -31,7 +31,7 @@ fn slow_takeoff_s(mission: &VehicleMission, climb_mps: f64) -> f64 {
         return 0.0;
     }
     let takeoff_mps = mission.param_or_default_si("MPC_TKO_SPEED");
-    let takeoff_mps = takeoff_mps.unwrap_or(climb_mps).clamp(0.1, climb_mps);
+    let takeoff_mps = takeoff_mps.map_or(climb_mps, |mps| mps.max(0.1).min(climb_mps));
     SLOW_TAKEOFF_M / takeoff_mps - SLOW_TAKEOFF_M / climb_mps
 }
 
