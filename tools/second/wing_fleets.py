@@ -11,6 +11,8 @@ from .wing import TURNS, VTOL_LAND, VTOL_TAKEOFF
 
 CEILING_M, FOLLOWS_SHARE = 2000, 0.15
 KINDS = [("plane", "px4"), ("plane", "ardupilot"), ("vtol", "px4"), ("vtol", "ardupilot")]
+# Around the home of a VTOL, metres.
+ROOM_M = {("vtol", "px4"): 400, ("vtol", "ardupilot"): 1500}
 
 
 def moved(at, clockwise, far):
@@ -109,8 +111,8 @@ def obstacles(rng, fleet):
                 found.append((*moved(moved(home, course, far), course + math.pi / 2, rng.uniform(-250, 250)), 2.0))
     threats = []
     for lat, lon, radius in found:
-        # The spec is refused where a QuadPlane may be after its climb, and where a vehicle begins or ends.
-        ends = [(vehicle["home"], 1500 if (vehicle["airframe"], vehicle["autopilot"]) == KINDS[3] else 60) for vehicle, _ in fleet]
+        # The spec is refused where a VTOL may be after its climb, and where a vehicle begins or ends.
+        ends = [(vehicle["home"], ROOM_M.get((vehicle["airframe"], vehicle["autopilot"]), 60)) for vehicle, _ in fleet]
         ends += [(vehicle[key], 60) for vehicle, _ in fleet for key in ("start", "goal")]
         if all(distance((lat, lon), (end["lat"], end["lon"])) > radius + far for end, far in ends):
             name = f"threat-{len(threats)}"
