@@ -267,8 +267,8 @@ fn a_new_path_that_cannot_keep_the_buffers_keeps_the_limits_and_a_warning_says_s
         .replace("sortie: 1", "sortie: 2")
         .replace("speed_mps: 15", "speed_mps: 9");
     let (folder, runs) = planned("lanes", &second);
-    // It plans twice, with the buffers and without: half the speed-up, so that a busy machine has the time.
-    let mut flight = take_off(folder.path(), "lanes.yaml", "5");
+    // It plans twice, with the buffers and without: a third of the speed-up, so that a busy machine has the time.
+    let mut flight = take_off(folder.path(), "lanes.yaml", "3");
     wait_for(&runs, "alpha", 30.0);
     let threat = "--threat=36.300,-84.236761,150";
     let output = sortie(folder.path(), &["replan", "lanes.yaml", threat]);
