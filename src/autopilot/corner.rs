@@ -8,12 +8,14 @@
 //! up to twice as much. It begins the next leg no earlier than it may accelerate: in the middle of the
 //! corner by `WPNAV_ACCEL_C` at most. With less than twice `WPNAV_ACCEL`, the default, it nearly stops at
 //! sharp corners (flown on 4.7.0-dev, 2026-11-24, simulator: 1.6 m/s at 63 degrees, 0.4 m/s at 107).
-//! [`MEASURED_MORE_S`] is what the flown seconds of a leg differ by.
+//! [`measured`] has what the flown seconds of a leg differ by.
 //!
 //! **PX4** (1.16 to 1.18, `PositionSmoothing` and `computeMaxSpeedInWaypoint`) limits the speed at a
 //! waypoint to that of a circle that touches both legs at the acceptance radius, with a share of
 //! the acceleration. That is the least it takes: 1.17 keeps the speed with which a turn begins until it heads for the
-//! next waypoint, and is slower than the circle then. [`MEASURED_LATE_S`] is what it lost.
+//! next waypoint, and is slower than the circle then. [`measured`] has what it lost.
+
+mod measured;
 
 use super::command;
 
@@ -65,49 +67,6 @@ const JERK_MPS3: f64 = 1.0;
 const PX4_TURNING_SHARE: f64 = 0.5;
 /// Smaller half changes of course are none, radians.
 const LEAST_RAD: f64 = 1e-6;
-
-/// `ArduCopter` 4.6.3, flown 2026-11-23 (simulator, still air) at 10 m/s with 2.5 m/s^2 and default
-/// jerk: change of course, degrees, and by how many seconds a leg of 200 m between two such corners took
-/// longer than the overlapping profiles say. The mean of radius 2 and 5 m, where both slow down.
-/// The entry of 180 degrees continues the line.
-const MEASURED_MORE_S: [(f64, f64); 12] = [
-    (0.0, 0.0),
-    (20.0, 0.0),
-    (30.0, -0.4),
-    (45.0, -0.4),
-    (60.0, -0.1),
-    (75.0, 0.0),
-    (90.0, 0.1),
-    (105.0, 0.2),
-    (120.0, 0.3),
-    (135.0, 0.4),
-    (150.0, 0.55),
-    (180.0, 0.8),
-];
-
-/// PX4 1.17.0, flown 2026-11-26 (simulator, still air, `MPC_ACC_HOR` 3 m/s^2): change of course, degrees, and by how many
-/// seconds longer a corner took than the legs through its waypoint, at each speed of [`MEASURED_AT_MPS`]. The mean of
-/// four corners, of the slower acceptance radius of 3 or 4 m and 10 m. 1.18 beta lost at most four fifths of it.
-const MEASURED_LATE_S: [(f64, [f64; 3]); 14] = [
-    (0.0, [0.0, 0.0, 0.0]),
-    (5.0, [0.5, 0.9, 1.2]),
-    (10.0, [0.5, 1.0, 1.7]),
-    (15.0, [0.9, 2.0, 2.5]),
-    (20.0, [1.1, 2.1, 3.1]),
-    (30.0, [1.6, 2.9, 4.0]),
-    (45.0, [2.2, 3.7, 4.9]),
-    (60.0, [3.0, 4.8, 5.6]),
-    (75.0, [3.7, 5.4, 6.2]),
-    (90.0, [5.0, 5.9, 7.1]),
-    (105.0, [5.1, 6.9, 7.9]),
-    (120.0, [6.3, 7.5, 8.7]),
-    (150.0, [6.7, 8.0, 9.8]),
-    (180.0, [6.7, 8.2, 10.5]),
-];
-/// The speeds of [`MEASURED_LATE_S`], m/s.
-const MEASURED_AT_MPS: [f64; 3] = [5.0, 8.0, 10.0];
-/// Its acceleration, m/s^2.
-const MEASURED_AT_MPS2: f64 = 3.0;
 
 /// What a copter's autopilot does at its corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -216,15 +175,13 @@ impl Cornering {
             return v_mps * half_rad / half_rad.tan();
         }
         let overlap_s = 2.0 * self.overlap_s(turn);
-        let more_s = at_turn(&MEASURED_MORE_S, turn.angle_rad.to_degrees());
+        let more_s = measured::more_s(turn.angle_rad.to_degrees());
         let lost_s = (self.ramp_s(v_mps) - overlap_s + more_s).max(0.0);
-        let arc_m = taken_m / half_rad.tan() * turn.angle_rad;
-        let loses_s = |mps: f64| self.braking_s(v_mps, mps) + arc_m / mps - 2.0 * taken_m / v_mps;
         // The loss falls with the speed.
         let (mut low_mps, mut high_mps) = (0.0, v_mps);
         for _ in 0..60 {
             let middle_mps = 0.5 * (low_mps + high_mps);
-            if loses_s(middle_mps) > lost_s {
+            if self.arc_loses_s(turn, taken_m, middle_mps) > lost_s {
                 low_mps = middle_mps;
             } else {
                 high_mps = middle_mps;
@@ -237,32 +194,22 @@ impl Cornering {
     /// through its waypoint, without what the arc loses, and slowing down for it.
     #[must_use]
     pub fn late_s(&self, turn: &Turn, taken_m: f64) -> f64 {
-        let half_rad = turn.half_rad();
-        if self.law != CornerLaw::Circle || half_rad < LEAST_RAD || taken_m <= 0.0 {
+        if self.law != CornerLaw::Circle || turn.half_rad() < LEAST_RAD || taken_m <= 0.0 {
             return 0.0;
         }
-        // Slower ones as those of 5 m/s; faster ones as from 8 to 10 m/s.
-        let at_mps = turn.speed_mps.max(MEASURED_AT_MPS[0]);
-        let faster = if at_mps < MEASURED_AT_MPS[1] { 1 } else { 2 };
-        let (from_mps, to_mps) = (MEASURED_AT_MPS[faster - 1], MEASURED_AT_MPS[faster]);
-        let share = (at_mps - from_mps) / (to_mps - from_mps);
-        let rows = MEASURED_LATE_S.map(|(turn_deg, late_s)| {
-            let (from_s, to_s) = (late_s[faster - 1], late_s[faster]);
-            (turn_deg, from_s + share * (to_s - from_s))
-        });
-        let slower = (MEASURED_AT_MPS2 / self.accel_mps2).max(1.0);
-        let lost_s = slower * at_turn(&rows, turn.angle_rad.to_degrees());
-        let arc_m = taken_m / half_rad.tan() * turn.angle_rad;
-        let arc_mps = self.arc_mps(turn, taken_m);
-        let arc_s = self.braking_s(turn.speed_mps, arc_mps) + arc_m / arc_mps
-            - 2.0 * taken_m / turn.speed_mps;
+        let slower = (measured::MEASURED_AT_MPS2 / self.accel_mps2).max(1.0);
+        let lost_s = slower * measured::lost_s(turn.angle_rad.to_degrees(), turn.speed_mps);
+        let arc_s = self.arc_loses_s(turn, taken_m, self.arc_mps(turn, taken_m));
         (lost_s - arc_s).max(0.0)
     }
 
-    /// What braking from a speed to a lower one and speeding up again costs, seconds.
-    fn braking_s(&self, from_mps: f64, to_mps: f64) -> f64 {
-        let slower_mps = from_mps - to_mps;
-        slower_mps * slower_mps / (self.accel_mps2 * from_mps)
+    /// By how much longer than the legs through the waypoint an arc takes at a constant speed, with slowing down for it and
+    /// speeding up again, seconds.
+    fn arc_loses_s(&self, turn: &Turn, taken_m: f64, arc_mps: f64) -> f64 {
+        let slower_mps = turn.speed_mps - arc_mps;
+        let braking_s = slower_mps * slower_mps / (self.accel_mps2 * turn.speed_mps);
+        let arc_m = taken_m / turn.half_rad().tan() * turn.angle_rad;
+        braking_s + arc_m / arc_mps - 2.0 * taken_m / turn.speed_mps
     }
 
     /// The speed nearest to the waypoint, m/s.
@@ -367,15 +314,6 @@ impl Cornering {
     }
 }
 
-/// What was measured by change of course, at one, degrees: linear in between.
-fn at_turn(rows: &[(f64, f64)], turn_deg: f64) -> f64 {
-    let after = rows.partition_point(|(at, _)| *at <= turn_deg);
-    let after = after.clamp(1, rows.len() - 1);
-    let (from, to) = (rows[after - 1], rows[after]);
-    let share = ((turn_deg - from.0) / (to.0 - from.0)).clamp(0.0, 1.0);
-    from.1 + (to.1 - from.1) * share
-}
-
 #[cfg(test)]
 mod tests {
     use super::{CornerLaw, Cornering, Turn};
@@ -462,7 +400,7 @@ mod tests {
         let lost_s = |turn_deg: f64| {
             let corner = turn(turn_deg, 7.1, 5.0);
             let overlap_s = 2.0 * law.overlap_s(&corner);
-            law.ramp_s(7.1) - overlap_s + super::at_turn(&super::MEASURED_MORE_S, turn_deg)
+            law.ramp_s(7.1) - overlap_s + super::measured::more_s(turn_deg)
         };
         let leg_s = 89.0 / 7.1 + 0.5 * (lost_s(64.0) + lost_s(89.0));
         assert!((leg_s - 16.3).abs() < 0.2, "{leg_s}");

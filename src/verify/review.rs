@@ -357,9 +357,12 @@ impl<'a> Sortie<'a> {
                 [0.0, 1.0].map(|u| (chord.moment(&world.frame, u), chord.late_s))
             })
             .collect();
-        ends.dedup_by(|(next, next_s), (moment, late_s)| {
-            *late_s = late_s.max(if next == moment { *next_s } else { 0.0 });
-            next == moment
+        ends.dedup_by(|next, end| {
+            let is_same = next.0 == end.0;
+            if is_same {
+                end.1 = end.1.max(next.1);
+            }
+            is_same
         });
         let (moments, late_s) = ends.into_iter().unzip();
         Track {

@@ -12,7 +12,7 @@ from .l1 import STEP_S, WAY_M, Law, air_ratio
 from .shapes import Arc, Height, Line
 
 TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
-# PX4 turns the nose of a VTOL to the place of its takeoff, metres.
+# From so far on PX4 turns the nose of a VTOL to the place of its takeoff, metres.
 LEAST_AHEAD = 20.0
 ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
 OFF_M = 0.01  # less than this is no offset

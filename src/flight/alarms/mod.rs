@@ -117,7 +117,7 @@ struct Standing {
     seen_s: f64,
 }
 
-/// Heartbeats come each second, and two of them may be lost, seconds.
+/// A heartbeat that shows its mode comes within this time, seconds: one each second, of which two may be lost.
 const BEATS_S: f64 = 3.0;
 
 /// The alarms of a fleet in flight.
@@ -392,7 +392,7 @@ impl Watched<'_> {
         self.duty.flies && !self.duty.is_ordered && self.onboard.flies_mission(self.mission)
     }
 
-    /// Whether it flies something else at a time: once its heartbeats had the time to show its start.
+    /// Whether it is known to fly something else: a heartbeat from before its start does not show that.
     fn has_left_plan(&self, t_s: f64) -> bool {
         let starts_s = self.plan.waypoints.first().map_or(0.0, |home| home.t_s);
         let is_shown = self.onboard.was_in_mission() || t_s - starts_s > BEATS_S;

@@ -15,7 +15,7 @@ const LEAST_TAKEOFF_M: f64 = 2.5;
 const LEAST_CLIMB_M: f64 = 1.0;
 /// Default of PX4's `MPC_LAND_ALT1`, metres.
 const SLOW_TAKEOFF_M: f64 = 10.0;
-/// PX4 knows the course to the place of its takeoff if that is so far away, metres.
+/// From so far on the course to the place of its takeoff is known in spite of the errors of positions, metres.
 const LEAST_AHEAD_M: f64 = 20.0;
 
 /// How far PX4 climbs at least on rotors, metres (`Mission::calculate_takeoff_altitude`).
