@@ -181,6 +181,12 @@ impl PlanZone {
         }
     }
 
+    /// Whether its box reaches to so far north, metres.
+    #[must_use]
+    pub(crate) fn reaches(&self, north_m: f64) -> bool {
+        (self.bounds).is_some_and(|bounds| (bounds.min().y..=bounds.max().y).contains(&north_m))
+    }
+
     /// Whether a point of the plane lies in the box around the outline.
     #[must_use]
     pub fn is_near(&self, at: EastNorth) -> bool {

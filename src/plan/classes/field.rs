@@ -99,9 +99,7 @@ impl Relief {
         let mut floor_m = Vec::with_capacity(grid.len());
         let mut threats = Vec::with_capacity(grid.len());
         let mut closed = Vec::with_capacity(grid.len());
-        let mut floors: Vec<Option<f64>> = (0..grid.len())
-            .map(|node| floor_at((world, layer), grid.at(node)))
-            .collect();
+        let mut floors = floors((world, layer), &grid);
         if reading == Reading::Conservative {
             for zone in &world.zones {
                 for node in crossed_nodes(&grid, zone) {
@@ -254,12 +252,25 @@ fn base_m(world: &World, grid: &Grid) -> Vec<f64> {
         .collect()
 }
 
-/// The lowest altitude allowed at a place, metres; `None` where flying is closed, or
-/// the ground unknown.
-pub(crate) fn floor_at((world, layer): (&World, Layer), at: EastNorth) -> Option<f64> {
+/// The lowest altitude allowed at the nodes of a grid, as [`floor_at`] has it.
+fn floors((world, layer): (&World, Layer), grid: &Grid) -> Vec<Option<f64>> {
+    let mut floors = Vec::with_capacity(grid.len());
+    for row in 0..grid.rows {
+        let nodes = row * grid.columns..(row + 1) * grid.columns;
+        let north_m = grid.at(nodes.start).north_m;
+        let zones = world.zones.iter().filter(|zone| zone.reaches(north_m));
+        let zones: Vec<&PlanZone> = zones.collect();
+        floors.extend(nodes.map(|node| floor_at((world, layer), &zones, grid.at(node))));
+    }
+    floors
+}
+
+/// The lowest altitude allowed at a place that some zones may hold, metres; `None` where
+/// flying is closed, or the ground unknown.
+fn floor_at((world, layer): (&World, Layer), zones: &[&PlanZone], at: EastNorth) -> Option<f64> {
     let ground_m = world.ground.height_m(at);
     let mut floor_m = layer.floor_m(ground_m + world.min_agl.0);
-    for zone in &world.zones {
+    for zone in zones {
         if zone.is_near(at) && zone.holds(at) {
             floor_m = past(zone, at, floor_m, (world, layer))?;
         }

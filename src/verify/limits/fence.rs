@@ -4,7 +4,7 @@ use crate::geodesy::{LatLon, bend_m};
 use crate::mission::{Item, command};
 use crate::numeric::geometry;
 
-use crate::verify::measure::outline::{Cylinder, Keep, Outline};
+use crate::verify::measure::outline::{Cylinder, Keep, Outline, StretchBox};
 use crate::verify::measure::segment::Stretch;
 
 /// One boundary.
@@ -61,12 +61,13 @@ impl Fence {
     /// and the fraction of the stretch. Boundaries that cannot be nearer than
     /// `known_m` may be left out.
     pub(crate) fn margin_m(&self, stretch: &Stretch, known_m: f64) -> (f64, f64) {
+        let around = StretchBox::around(stretch);
         let mut least = (f64::INFINITY, 0.0);
         for (boundary, keep) in &self.boundaries {
             let found = match boundary {
                 Boundary::Outline(outline) => {
                     if *keep == Keep::Outside
-                        && outline.bound_m(stretch) > known_m.min(least.0).max(0.0)
+                        && outline.bound_m(&around) > known_m.min(least.0).max(0.0)
                     {
                         continue;
                     }
@@ -79,6 +80,15 @@ impl Fence {
             }
         }
         least
+    }
+
+    /// At least so far is a stretch from every boundary, metres; zero where no box tells.
+    pub(crate) fn bound_m(&self, around: &StretchBox) -> f64 {
+        let bounds = self.boundaries.iter().map(|boundary| match boundary {
+            (Boundary::Outline(outline), Keep::Outside) => outline.bound_m(around),
+            _ => 0.0,
+        });
+        bounds.fold(f64::INFINITY, f64::min)
     }
 
     /// The margin of one place, metres.
@@ -153,7 +163,11 @@ pub(crate) fn covers(boundary: &[Item], covered: &[Item]) -> bool {
     let corners_of = |items: &[Item]| items.iter().filter_map(Item::place).collect::<Vec<_>>();
     let (around, within) = (corners_of(boundary), corners_of(covered));
     let is_in = |place: &LatLon| match &wide {
-        Boundary::Outline(outline) => outline.margin_m(&at(*place), Keep::Outside).0 <= COVER_M,
+        Boundary::Outline(outline) => {
+            let place = at(*place);
+            outline.bound_m(&StretchBox::around(&place)) <= COVER_M
+                && outline.margin_m(&place, Keep::Outside).0 <= COVER_M
+        }
         Boundary::Cylinder(circle) => circle.margin_m(&at(*place), Keep::Inside).0 >= -COVER_M,
     };
     // Corners, or the middle of a circle.

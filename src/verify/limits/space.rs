@@ -1,17 +1,17 @@
 //! Limits on where a flight goes: ground, ceiling, threats, zones, area, fence.
 
 use crate::geodesy::{EastNorth, LatLon};
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Zone};
 use crate::world::{Layer, NoData, World};
 
 use super::closed::Closed;
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
-use crate::verify::measure::outline::{Cylinder, Keep, Outline, ZoneShape};
+use crate::verify::measure::outline::{Cylinder, Keep, Outline, StretchBox, ZoneShape};
 use crate::verify::measure::patch::Patch;
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
-use crate::verify::measure::worst::Worst;
+use crate::verify::measure::worst::{Worst, nearest_first};
 use crate::verify::{Limit, Margin, Moment};
 
 /// Along a climb-out or glide the ground must stay this share of the height above the runway
@@ -69,9 +69,9 @@ impl<'a> Space<'a> {
     ) -> Vec<Margin> {
         let mut found = Found {
             threats: vec![Worst::default(); self.threats.len()],
-            zones: vec![Worst::default(); self.zones.len()],
             ..Found::default()
         };
+        let mut way: Vec<(&Chord, Stretch, StretchBox)> = Vec::new();
         let mut last: Option<(EastNorth, LatLon)> = None;
         let chords = flight.chords.iter().enumerate();
         for (_, chord) in chords.filter(|(index, _)| Some(*index) != flight.repetition) {
@@ -85,8 +85,9 @@ impl<'a> Space<'a> {
             self.judge_ceiling(chord, &mut found.ceiling);
             self.judge_layer(layer, chord, &parts, &mut found);
             self.judge_threats(chord, &parts, &mut found.threats);
+            let boxed = |part: &Stretch| (chord, *part, StretchBox::around(part));
+            way.extend(parts.iter().map(boxed));
             for part in &parts {
-                self.judge_zones(chord, part, &mut found.zones);
                 // What is flown may be as far as its bow from the chord, to any side.
                 let bow_m = chord.bow_m;
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
@@ -102,6 +103,8 @@ impl<'a> Space<'a> {
                 }
             }
         }
+        let zones = self.spec.no_fly.iter().zip(&self.zones);
+        found.zones = zones.map(|zone| self.judge_zone(zone, &way)).collect();
         self.found_margins(id, flight, found)
     }
 
@@ -293,21 +296,27 @@ impl<'a> Space<'a> {
         }
     }
 
-    fn judge_zones(&self, chord: &Chord, part: &Stretch, worst: &mut [Worst]) {
-        let slack_s = self.spec.separation.time_slack_s;
-        let least_m = self.spec.buffers.zones_m;
-        for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
-            // Inside the box nothing is known of the margin but that it may be negative.
-            let least_m = least_m.max(zone.buffer_m);
-            if shape.bound_m(part) - chord.bow_m > (worst.room() + least_m).max(0.0) {
-                continue;
-            }
-            let closed = Closed::new(zone, &self.surface, slack_s).widened(least_m);
+    /// The room to a zone. Inside its box nothing is known of that but that it may be negative.
+    fn judge_zone(
+        &self,
+        (zone, shape): (&Zone, &ZoneShape),
+        way: &[(&Chord, Stretch, StretchBox)],
+    ) -> Worst {
+        let least_m = self.spec.buffers.zones_m.max(zone.buffer_m);
+        let closed = Closed::new(zone, &self.surface, self.spec.separation.time_slack_s);
+        let closed = closed.widened(least_m);
+        let judge = |(chord, part, _): &(&Chord, Stretch, StretchBox), worst: &mut Worst| {
             for part in closed.parts(chord, part) {
                 let (margin_m, w) = shape.margin_m(&part);
                 worst.at_least(margin_m - chord.bow_m, least_m, || moment(chord, &part, w));
             }
-        }
+        };
+        nearest_first(
+            way,
+            |(chord, _, around)| shape.bound_m(around) - chord.bow_m - least_m,
+            -least_m,
+            judge,
+        )
     }
 }
 

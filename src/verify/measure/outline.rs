@@ -35,6 +35,47 @@ pub(crate) struct Outline {
     high: LatLon,
 }
 
+/// Where a stretch runs, for bounds: made once, held against many polygons.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StretchBox {
+    from: LatLon,
+    /// Half of its way, metres east and north.
+    half: Flat,
+    /// Unit vector across it; zero for a point.
+    across: Flat,
+    /// Metres in a degree of latitude and of longitude, as the stretch measures polygons.
+    per_degree_m: (f64, f64),
+}
+
+impl StretchBox {
+    pub(crate) fn around(stretch: &Stretch) -> Self {
+        let (from, to) = (stretch.from, stretch.to);
+        let (north_m, east_m) = metres_per_degree(0.5 * (from.lat_deg + to.lat_deg));
+        let half = (
+            0.5 * short_way_deg(from, to) * east_m,
+            0.5 * (to.lat_deg - from.lat_deg) * north_m,
+        );
+        let length_m = half.0.hypot(half.1);
+        Self {
+            from,
+            half,
+            across: match length_m > 0.0 {
+                true => (-half.1 / length_m, half.0 / length_m),
+                false => (0.0, 0.0),
+            },
+            per_degree_m: (north_m, east_m),
+        }
+    }
+}
+
+/// A bound is less than a distance by so much: more than what both lose by rounding, metres.
+const ROUNDING_M: f64 = 1e-6;
+
+/// Degrees of longitude from a place to another, the short way round the date line.
+fn short_way_deg(from: LatLon, to: LatLon) -> f64 {
+    (to.lon_deg - from.lon_deg + 540.0).rem_euclid(360.0) - 180.0
+}
+
 /// The shape of a zone: a circle is measured as one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ZoneShape {
@@ -52,9 +93,9 @@ impl ZoneShape {
         }
     }
 
-    /// At least so far is the stretch from the zone, metres: a cheap bound by boxes.
-    pub(crate) fn bound_m(&self, stretch: &Stretch) -> f64 {
-        self.outline.bound_m(stretch)
+    /// At least so far is a stretch from the zone, metres: a cheap bound by boxes.
+    pub(crate) fn bound_m(&self, around: &StretchBox) -> f64 {
+        self.outline.bound_m(around)
     }
 
     /// The least distance of a stretch outside, negative inside, metres; and the fraction of
@@ -136,17 +177,33 @@ impl Outline {
         outline
     }
 
-    /// At least so far is the stretch from the polygon, metres: a cheap bound by boxes.
-    pub(crate) fn bound_m(&self, stretch: &Stretch) -> f64 {
-        let (north, east) = metres_per_degree(stretch.from.lat_deg);
-        let gap = |of: fn(LatLon) -> f64| {
-            let (from, to) = (of(stretch.from), of(stretch.to));
-            (of(self.low) - from.max(to))
-                .max(from.min(to) - of(self.high))
-                .max(0.0)
+    /// At least so far is a stretch from the polygon, metres: the box of the polygon against that of
+    /// the stretch, and against its line.
+    pub(crate) fn bound_m(&self, around: &StretchBox) -> f64 {
+        let (north_m, east_m) = around.per_degree_m;
+        let middle = LatLon {
+            lat_deg: 0.5 * (self.low.lat_deg + self.high.lat_deg),
+            lon_deg: 0.5 * (self.low.lon_deg + self.high.lon_deg),
         };
-        let (lat, lon) = (gap(|at| at.lat_deg), gap(|at| at.lon_deg));
-        (lat * north).hypot(lon * east)
+        let half = (
+            0.5 * (self.high.lon_deg - self.low.lon_deg) * east_m,
+            0.5 * (self.high.lat_deg - self.low.lat_deg) * north_m,
+        );
+        // From the middle of the stretch.
+        let away = (
+            short_way_deg(around.from, middle) * east_m - around.half.0,
+            (middle.lat_deg - around.from.lat_deg) * north_m - around.half.1,
+        );
+        let gap = (
+            (away.0.abs() - half.0 - around.half.0.abs()).max(0.0),
+            (away.1.abs() - half.1 - around.half.1.abs()).max(0.0),
+        );
+        let of_line = |(east, north): Flat| east * around.across.0 + north * around.across.1;
+        let reach_m = half.0 * around.across.0.abs() + half.1 * around.across.1.abs();
+        (gap.0 * gap.0 + gap.1 * gap.1)
+            .sqrt()
+            .max(of_line(away).abs() - reach_m)
+            - ROUNDING_M
     }
 
     /// The least distance on the right side of the boundary, negative on the
@@ -189,9 +246,11 @@ impl View {
         let middle_deg = 0.5 * (stretch.from.lat_deg + stretch.to.lat_deg);
         let (north, east) = metres_per_degree(middle_deg);
         let flat = |place: &LatLon| {
-            // The short way round the date line.
-            let away = (place.lon_deg - stretch.from.lon_deg + 540.0).rem_euclid(360.0) - 180.0;
-            (away * east, (place.lat_deg - stretch.from.lat_deg) * north)
+            let away_deg = short_way_deg(stretch.from, *place);
+            (
+                away_deg * east,
+                (place.lat_deg - stretch.from.lat_deg) * north,
+            )
         };
         Self {
             rings: (outline.rings.iter())
@@ -286,7 +345,9 @@ fn nearest(point: Flat, from: Flat, to: Flat) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Keep, LatLon, Outline, Stretch};
+    use proptest::prelude::*;
+
+    use super::{Keep, LatLon, Outline, Stretch, StretchBox};
 
     fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
         LatLon { lat_deg, lon_deg }
@@ -330,6 +391,32 @@ mod tests {
             Keep::Outside,
         );
         assert!(cut_m < 0.0 && w > 0.0 && w < 1.0, "{cut_m} at {w}");
+    }
+
+    proptest! {
+        #[test]
+        fn no_polygon_is_nearer_than_its_bound_on_either_side_of_the_date_line(
+            corners in proptest::collection::vec((-0.05..0.05_f64, -0.05..0.05_f64), 3..7),
+            (lat, lon) in (-80.0..80.0_f64, prop_oneof![179.8..180.2_f64, -1.0..1.0_f64]),
+            ends in [(-0.3..0.3_f64, -0.3..0.3_f64), (-0.3..0.3_f64, -0.3..0.3_f64)],
+            shape in 0..4_u8,
+        ) {
+            let at = |(north, east): (f64, f64)| {
+                place(lat + north, (lon + east + 180.0).rem_euclid(360.0) - 180.0)
+            };
+            let outline = Outline::new(corners.into_iter().map(at).collect());
+            let [from, mut to] = ends;
+            match shape {
+                0 => to = from,
+                1 => to.0 = from.0,
+                2 => to.1 = from.1,
+                _ => {}
+            }
+            let stretch = Stretch { u: (0.0, 1.0), from: at(from), to: at(to) };
+            let (margin_m, _) = outline.margin_m(&stretch, Keep::Outside);
+            let bound_m = outline.bound_m(&StretchBox::around(&stretch));
+            prop_assert!(margin_m < 0.0 && bound_m <= 0.0 || bound_m <= margin_m, "{bound_m} of {margin_m}");
+        }
     }
 
     #[test]

@@ -83,15 +83,40 @@ impl Worst {
     }
 }
 
+/// The worst of many parts, each with a bound: no room in it is less, unless the bound is at most
+/// `silent`. The part of the least bound is judged first; what has more room than that cannot be
+/// the worst.
+pub(crate) fn nearest_first<T>(
+    parts: &[T],
+    bound: impl Fn(&T) -> f64,
+    silent: f64,
+    judge: impl Fn(&T, &mut Worst),
+) -> Worst {
+    let bounds: Vec<f64> = parts.iter().map(bound).collect();
+    let mut known = Worst::default();
+    let nearest = (0..parts.len()).min_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
+    if let Some(index) = nearest {
+        judge(&parts[index], &mut known);
+    }
+    let mut worst = Worst::default();
+    for (part, bound) in parts.iter().zip(bounds) {
+        if bound <= worst.room().min(known.room()).max(silent) {
+            judge(part, &mut worst);
+        }
+    }
+    worst
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Worst;
+    use proptest::prelude::*;
+
+    use super::{Worst, nearest_first};
     use crate::geodesy::{Amsl, LatLon};
     use crate::verify::{Limit, Moment};
 
-    #[test]
-    fn a_value_that_is_not_a_number_is_the_worst_and_fails() {
-        let at = |item| Moment {
+    fn at(item: usize) -> Moment {
+        Moment {
             place: LatLon {
                 lat_deg: 0.0,
                 lon_deg: 0.0,
@@ -99,7 +124,34 @@ mod tests {
             amsl: Amsl(0.0),
             t_s: 0.0,
             item,
-        };
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn parts_left_out_for_their_bounds_change_nothing(
+            rooms in proptest::collection::vec((-4..9_i32, 0..5_i32), 0..20),
+            silent in -2..1_i32,
+        ) {
+            // A bound above `silent` is at most the room; few different rooms, so that some are equal.
+            let bound = |&(room, less): &(i32, i32)| {
+                f64::from(if room < silent { silent - less } else { room - less })
+            };
+            let rooms: Vec<(usize, (i32, i32))> = rooms.into_iter().enumerate().collect();
+            let judge = |(item, (room, _)): &(usize, (i32, i32)), worst: &mut Worst| {
+                worst.at_least(f64::from(*room), 0.0, || at(*item));
+            };
+            let mut all = Worst::default();
+            for part in &rooms {
+                judge(part, &mut all);
+            }
+            let found = nearest_first(&rooms, |(_, part)| bound(part), f64::from(silent), judge);
+            prop_assert_eq!(found, all);
+        }
+    }
+
+    #[test]
+    fn a_value_that_is_not_a_number_is_the_worst_and_fails() {
         let mut worst = Worst::default();
         worst.at_least(5.0, 1.0, || at(1));
         worst.at_least(f64::NAN, 1.0, || at(2));

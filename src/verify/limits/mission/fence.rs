@@ -8,8 +8,9 @@ use super::{Contract, count};
 use crate::geodesy::LatLon;
 use crate::mission::{self, FENCE_REACH_S, Item, command};
 use crate::verify::limits::fence::{Fence, boundaries, covers, holds};
+use crate::verify::measure::outline::StretchBox;
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
-use crate::verify::measure::worst::Worst;
+use crate::verify::measure::worst::{Worst, nearest_first};
 use crate::verify::{Limit, Margin, Moment, Requirement};
 
 /// Ways back begin this far apart along the path, metres.
@@ -26,6 +27,26 @@ struct Held<'a> {
     absent: Vec<Piece>,
     /// Items that the spec's own fence has.
     needs: usize,
+}
+
+/// A straight part of a flight, or of a way back from one of its chords.
+struct Way<'a> {
+    chord: &'a Chord,
+    part: Stretch,
+    around: StretchBox,
+    /// It may be nearer to anything by so much, metres.
+    slack_m: f64,
+}
+
+impl<'a> Way<'a> {
+    fn new(chord: &'a Chord, part: Stretch, slack_m: f64) -> Self {
+        Self {
+            chord,
+            around: StretchBox::around(&part),
+            part,
+            slack_m,
+        }
+    }
 }
 
 impl Contract<'_> {
@@ -136,37 +157,38 @@ impl Contract<'_> {
             return Vec::new();
         }
         let bound_m = FENCE_REACH_S * self.vehicle.top_speed_mps();
-        let flown: Vec<(&Chord, Vec<Stretch>)> = self.flown().collect();
         let home = self.mission.home;
         let home = LatLon::of_e7(home.x, home.y);
-        let backs: Vec<(&Chord, Stretch)> = (flown.iter())
-            .flat_map(|(chord, parts)| parts.iter().map(move |part| (*chord, part)))
-            .flat_map(|(chord, part)| ways_back(part, home).map(move |back| (chord, back)))
-            .collect();
+        let mut ways: Vec<Way<'_>> = Vec::new();
+        let mut backs: Vec<Way<'_>> = Vec::new();
+        for (chord, parts) in self.flown() {
+            for part in parts {
+                ways.push(Way::new(chord, part, 0.0));
+                // Another way back may be nearer by half of a step.
+                let back = |back| Way::new(chord, back, 0.5 * BACK_STEP_M);
+                backs.extend(ways_back(&part, home).map(back));
+            }
+        }
+        ways.extend(backs);
         let margins = pieces.iter().map(|(name, items)| {
             let limit = Limit::FenceLeftOut(name.clone());
             let region = match Fence::read(items) {
                 Ok(region) => region,
                 Err(why) => return Margin::unjudged(self.id(), limit, why),
             };
-            let mut worst = Worst::default();
-            for (chord, part) in flown
-                .iter()
-                .flat_map(|(c, parts)| parts.iter().map(move |p| (c, p)))
-            {
-                let (away_m, w) = region.margin_m(part, worst.room() + bound_m);
-                worst.at_least(away_m, bound_m, || self.moment_of(chord, part, w));
-            }
-            for (chord, back) in &backs {
-                let (away_m, w) = region.margin_m(back, worst.room() + bound_m + BACK_STEP_M);
-                // Another way back may be nearer by half of a step.
-                worst.at_least(away_m - 0.5 * BACK_STEP_M, bound_m, || {
-                    self.moment_of(chord, back, w)
-                });
-            }
-            worst
-                .margin(self.id(), limit.clone(), "m")
-                .unwrap_or_else(|| Margin::unjudged(self.id(), limit, "nothing is flown"))
+            nearest_first(
+                &ways,
+                |way| region.bound_m(&way.around) - way.slack_m - bound_m,
+                -bound_m,
+                |way, worst| {
+                    let (away_m, w) = region.margin_m(&way.part, f64::INFINITY);
+                    worst.at_least(away_m - way.slack_m, bound_m, || {
+                        self.moment_of(way.chord, &way.part, w)
+                    });
+                },
+            )
+            .margin(self.id(), limit.clone(), "m")
+            .unwrap_or_else(|| Margin::unjudged(self.id(), limit, "nothing is flown"))
         });
         margins.collect()
     }
