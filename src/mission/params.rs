@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-use super::item::{Parameter, VehicleMission};
+use super::item::{Item, Parameter, VehicleMission};
 use crate::autopilot::{
     Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, SLOW_LANDING_M, Version,
     command, facts, name_in, parameter,
@@ -22,17 +22,20 @@ pub fn turn_radius_m(vehicle: &Vehicle) -> f64 {
 }
 
 /// The parameters for one vehicle, by the altitude of its home above the sea (metres). With a fence
-/// there is its margin, metres: 0 where the plan keeps none.
+/// there is its margin, metres: 0 where the plan keeps none. The items say what else is needed: they
+/// hold the tasks that the vehicle does, too.
 #[must_use]
 pub fn parameters(
     vehicle: &Vehicle,
     options: &MissionOptions,
+    items: &[Item],
     home_amsl_m: f64,
     fence_margin_m: Option<f64>,
     airspeed_mps: Option<f64>,
 ) -> Vec<Parameter> {
     let mut list = List {
         vehicle,
+        items,
         parameters: Vec::new(),
     };
     match (vehicle.autopilot, vehicle.wing) {
@@ -203,6 +206,7 @@ const RENAMED_IN_COMMENTS: [&str; 3] = ["WPNAV_SPEED_DN", "LAND_ALT_LOW", "LAND_
 /// The parameters of one vehicle, in the order of its file.
 struct List<'a> {
     vehicle: &'a Vehicle,
+    items: &'a [Item],
     parameters: Vec<Parameter>,
 }
 
@@ -262,7 +266,8 @@ impl List<'_> {
             "height of the slow end of a landing, cm",
         );
         self.slow_landing("LAND_SPEED", "speed of the slow end of a landing, cm/s");
-        if v.has_payload_place() {
+        let is_placing = |item: &Item| item.command == command::NAV_PAYLOAD_PLACE;
+        if self.items.iter().any(is_placing) {
             self.set(PLACING, 0.0, "loads are placed at LAND_SPEED");
         }
         self.armed_until_departure("DISARM_DELAY", 0.0);

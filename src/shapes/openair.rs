@@ -23,7 +23,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
         let found: Vec<_> = ::openair::parse(block.as_bytes()).collect();
         match <[_; 1]>::try_from(found) {
             Ok([Ok(airspace)]) if is_open(&airspace) => collection.open += 1,
-            Ok([Ok(airspace)]) => match shape(&label, &airspace) {
+            Ok([Ok(airspace)]) => match shape(&label, &airspace, &block) {
                 Ok(shape) => collection.shapes.push(shape),
                 Err(why) => collection.refused.push(Refused { name: label, why }),
             },
@@ -69,7 +69,7 @@ fn is_open(airspace: &Airspace) -> bool {
     airspace.type_.is_none() && matches!(airspace.class, Class::G)
 }
 
-fn shape(name: &str, airspace: &Airspace) -> Result<Shape, String> {
+fn shape(name: &str, airspace: &Airspace, block: &str) -> Result<Shape, String> {
     let mut classes = vec![airspace.class.as_str().to_owned()];
     classes.extend(airspace.type_.as_ref().map(|of| of.as_str().to_owned()));
     Ok(Shape {
@@ -88,12 +88,12 @@ fn shape(name: &str, airspace: &Airspace) -> Result<Shape, String> {
         floor: match &airspace.lower_bound {
             Altitude::Gnd => None,
             Altitude::Unlimited => return Err("a floor without end".to_owned()),
-            other => super::heights::floor(Some(height(other)?)),
+            other => super::heights::floor(Some(height(other, metres(block, "AL"))?)),
         },
         ceiling: match &airspace.upper_bound {
             Altitude::Unlimited => None,
             Altitude::Gnd => return Err("a ceiling on the ground".to_owned()),
-            other => Some(height(other)?),
+            other => Some(height(other, metres(block, "AH"))?),
         },
         active: active(airspace)?,
         keep_in: false,
@@ -101,10 +101,23 @@ fn shape(name: &str, airspace: &Airspace) -> Result<Shape, String> {
     })
 }
 
-fn height(of: &Altitude) -> Result<Height, String> {
+/// The metres of a limit that is not in feet: the parser rounds them to whole feet.
+fn metres(block: &str, limit: &str) -> Option<f64> {
+    let mut lines = block.lines().filter_map(|line| line.strip_prefix(limit));
+    let value = lines
+        .find(|value| value.starts_with(char::is_whitespace))?
+        .trim();
+    let digits = value.find(|c: char| !c.is_ascii_digit())?;
+    let (number, rest) = value.split_at(digits);
+    let unit = rest.split_whitespace().next()?;
+    (unit.eq_ignore_ascii_case("m")).then(|| number.parse().ok())?
+}
+
+fn height(of: &Altitude, metres: Option<f64>) -> Result<Height, String> {
+    let in_metres = |feet: i32| metres.unwrap_or(f64::from(feet) * FOOT_M);
     match of {
-        Altitude::FeetAmsl(feet) => Ok(Height::Amsl(f64::from(*feet) * FOOT_M)),
-        Altitude::FeetAgl(feet) => Ok(Height::Agl(f64::from(*feet) * FOOT_M)),
+        Altitude::FeetAmsl(feet) => Ok(Height::Amsl(in_metres(*feet))),
+        Altitude::FeetAgl(feet) => Ok(Height::Agl(in_metres(*feet))),
         Altitude::FlightLevel(level) => Ok(Height::FlightLevel(f64::from(*level))),
         other => Err(format!("a height `{other}` that cannot be read")),
     }

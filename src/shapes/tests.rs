@@ -297,6 +297,16 @@ fn to_write() -> [Shape; 3] {
 }
 
 #[test]
+fn heights_of_openair_in_metres_are_not_rounded_to_feet() {
+    let text = "AC R\nAN low\nAL 152m AMSL\nAH 1501 M AGL\nDP 47:00:00 N 008:00:00 E\n\
+                DP 47:10:00 N 008:00:00 E\nDP 47:10:00 N 008:10:00 E\n";
+    let read = shapes("x.txt", text);
+    let low = named(&read, "low");
+    assert_eq!(low.floor, Some(Height::Amsl(152.0)));
+    assert_eq!(low.ceiling, Some(Height::Agl(1501.0)));
+}
+
+#[test]
 fn zones_in_openair_are_no_smaller_and_what_is_lost_is_said() {
     let all = to_write();
     let openair = write_as(Format::OpenAir, &all);

@@ -75,3 +75,47 @@ fn copters_make_the_stops_that_are_left_on_their_new_paths() {
         assert!(rests.is_sorted(), "{vehicle}: {rests:?}");
     }
 }
+
+/// A task each for two copters on those lanes.
+const TASKS: &str = "
+sortie: 2
+buffer_m: {all: 0}
+name: tasks
+area: {south_west: {lat: 36.27, lon: -84.31}, north_east: {lat: 36.34, lon: -84.19}, min_agl_m: 30, max_amsl_m: 900}
+terrain: {flat: {amsl_m: 400}}
+tasks:
+  - {id: one, visit: {lat: 36.2900, lon: -84.2760, agl_m: 60, actions: [ACTION]}}
+  - {id: two, visit: {lat: 36.3000, lon: -84.2760, agl_m: 60, actions: [{photo: {}}]}}
+vehicles:
+  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 9, climb_mps: 3, descent_mps: 3, finish: land,
+     start: {lat: 36.2900, lon: -84.2800, agl_m: 60}, goal: {lat: 36.2900, lon: -84.2630, agl_m: 60}}
+  - {id: bravo, sysid: 2, autopilot: px4, link: sim, speed_mps: 9, climb_mps: 3, descent_mps: 3, finish: land,
+     start: {lat: 36.3000, lon: -84.2800, agl_m: 60}, goal: {lat: 36.3000, lon: -84.2630, agl_m: 60}}
+separation: {distance_m: 100, time_slack_s: 5}
+planner: {seed: 1, evaluations: 4000, control_points: 4}
+";
+
+#[test]
+fn a_fleet_with_tasks_is_led_around_a_threat() {
+    let (folder, runs) = planned("tasks", &TASKS.replace("ACTION", "{photo: {}}"));
+    let mut flight = take_off(folder.path(), "tasks.yaml", "8");
+    wait_for(&runs, "alpha", 40.0);
+    let threat = "--threat=36.2950,-84.26835,564";
+    let output = sortie(folder.path(), &["replan", "tasks.yaml", threat]);
+    let told = text(&output.stdout);
+    assert!(output.status.success(), "{told}{}", text(&output.stderr));
+    assert_eq!(told.matches("on its new path").count(), 2, "{told}");
+    let status = flight.0.wait().expect("it ends");
+    let flown = json(&runs.join("flight.json"));
+    assert_eq!(flown["verdict"], "pass", "{flown:#}");
+    assert!(status.success(), "{status}");
+}
+
+#[test]
+fn a_task_that_places_a_load_is_flown_with_the_parameters_of_its_plan() {
+    let action = "{payload_place: {max_descent_m: 80}}";
+    let (folder, runs) = planned("tasks", &TASKS.replace("ACTION", action));
+    let mut flight = take_off(folder.path(), "tasks.yaml", "30");
+    assert!(flight.0.wait().expect("it ends").success());
+    assert_eq!(json(&runs.join("flight.json"))["verdict"], "pass");
+}

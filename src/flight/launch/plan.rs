@@ -236,6 +236,7 @@ fn refuse_edited_params(
         let planned = mission::parameters(
             vehicle,
             &spec.mission,
+            &mission.items,
             home_amsl_m,
             fence_margin_m,
             spec.airspeed_mps(vehicle),

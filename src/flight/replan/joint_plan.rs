@@ -110,6 +110,7 @@ impl<'a> JointPlan<'a> {
             problems: Vec::new(),
         };
         joint.world.stations.clear();
+        joint.world.tasks.clear();
         // An altitude AMSL is the same whatever home the autopilot has taken.
         joint.spec.mission.altitude = AltitudeReference::Amsl;
         joint.spec.planner.evaluations = EVALUATIONS.min(spec.planner.evaluations);

@@ -124,8 +124,8 @@ pub fn build_course(
     let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
-    let (reference, ground) = (spec.mission.altitude, stations.home.amsl);
-    let encoder = Encoder::new(world, reference, vehicle.home, ground);
+    let (altitude, ground) = (spec.mission.altitude, stations.home.amsl);
+    let encoder = Encoder::new(world, altitude, vehicle.home, ground);
     let writer = ItemWriter {
         spec,
         vehicle,
@@ -142,15 +142,15 @@ pub fn build_course(
     };
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
-    let (fence, mut notes) = if spec.mission.fence {
-        fence::fence(spec, vehicle, &items)
-    } else {
-        (Vec::new(), Vec::new())
+    let (fence, mut notes) = match spec.mission.fence {
+        true => fence::fence(spec, vehicle, &items),
+        false => (Vec::new(), Vec::new()),
     };
     notes.extend(wing::landing_course_note(vehicle, stations));
     let params = parameters(
         vehicle,
         &spec.mission,
+        &items,
         encoder.home_amsl().0,
         (!fence.is_empty()).then(|| spec.fence_margin_m()),
         spec.airspeed_mps(vehicle),

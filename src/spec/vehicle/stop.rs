@@ -219,14 +219,6 @@ impl Vehicle {
         }
     }
 
-    /// Whether it places a load on the ground somewhere.
-    #[must_use]
-    pub fn has_payload_place(&self) -> bool {
-        let ends = self.on_way.start.iter().chain(&self.on_way.goal);
-        let mut actions = self.stops.iter().flat_map(|stop| &stop.actions).chain(ends);
-        actions.any(|action| matches!(action, StopAction::PayloadPlace { .. }))
-    }
-
     /// How long the vehicle is below a stop to place loads on the ground, seconds.
     fn placing_s(&self, stop: &Stop) -> f64 {
         let is_placing = |action: &&StopAction| matches!(action, StopAction::PayloadPlace { .. });

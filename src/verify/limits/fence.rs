@@ -82,7 +82,7 @@ impl Fence {
         least
     }
 
-    /// At least so far is a stretch from every boundary, metres; zero where no box tells.
+    /// At least so far is a stretch from every boundary, metres; zero where a boundary has no box.
     pub(crate) fn bound_m(&self, around: &StretchBox) -> f64 {
         let bounds = self.boundaries.iter().map(|boundary| match boundary {
             (Boundary::Outline(outline), Keep::Outside) => outline.bound_m(around),
