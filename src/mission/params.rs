@@ -333,14 +333,14 @@ impl List<'_> {
     fn px4_copter(&mut self, options: &MissionOptions, home_amsl_m: f64) {
         let v = self.vehicle;
         self.set(
+            "MPC_XY_VEL_MAX",
+            v.speed_mps.max(12.0),
+            "set before MPC_XY_CRUISE, which PX4 keeps below it",
+        );
+        self.set(
             "MPC_XY_CRUISE",
             v.speed_mps,
             "planned ground speed; here and not DO_CHANGE_SPEED, with which a copter was seen to drift off",
-        );
-        self.set(
-            "MPC_XY_VEL_MAX",
-            v.speed_mps.max(12.0),
-            "must not be below MPC_XY_CRUISE",
         );
         self.set("MPC_ACC_HOR", v.accel_mps2, "planned acceleration");
         self.px4_vertical_speeds("planned climb", "planned descent");
@@ -402,20 +402,22 @@ impl List<'_> {
     }
 
     /// Climb and descent of PX4 on rotors.
+    /// PX4 takes a speed back at once that is above its greatest one: in the other order a copter
+    /// climbed at 3 m/s in place of 4, and came down at 1.5 in place of 3 (1.17, its own simulator).
     fn px4_vertical_speeds(&mut self, climb: &str, descent: &str) {
         let v = self.vehicle;
-        self.set("MPC_Z_V_AUTO_UP", v.climb_mps, climb);
-        self.set("MPC_Z_V_AUTO_DN", v.descent_mps, descent);
         self.set(
             "MPC_Z_VEL_MAX_UP",
             v.climb_mps.max(3.0),
-            "must not be below MPC_Z_V_AUTO_UP",
+            "set before MPC_Z_V_AUTO_UP, which PX4 keeps below it",
         );
         self.set(
             "MPC_Z_VEL_MAX_DN",
             v.descent_mps.max(1.5),
-            "must not be below MPC_Z_V_AUTO_DN",
+            "set before MPC_Z_V_AUTO_DN, which PX4 keeps below it",
         );
+        self.set("MPC_Z_V_AUTO_UP", v.climb_mps, climb);
+        self.set("MPC_Z_V_AUTO_DN", v.descent_mps, descent);
         self.set("MPC_TKO_SPEED", v.climb_mps, "planned climb at takeoff");
         self.slow_landing("MPC_LAND_SPEED", "speed of the slow end of a landing");
     }

@@ -193,6 +193,24 @@ fn a_px4_copter_has_its_speed_in_a_parameter_and_its_heading_open() {
 }
 
 #[test]
+fn px4_gets_a_greatest_speed_before_the_speeds_that_it_keeps_below_it() {
+    let mission = built(|spec| spec.vehicles[0].autopilot = Autopilot::Px4);
+    let row = |name: &str| {
+        let found = mission.params.iter().position(|param| param.name == name);
+        found.unwrap_or_else(|| panic!("no {name}"))
+    };
+    for (greatest, speed) in [
+        ("MPC_XY_VEL_MAX", "MPC_XY_CRUISE"),
+        ("MPC_Z_VEL_MAX_UP", "MPC_Z_V_AUTO_UP"),
+        ("MPC_Z_VEL_MAX_UP", "MPC_TKO_SPEED"),
+        ("MPC_Z_VEL_MAX_DN", "MPC_Z_V_AUTO_DN"),
+        ("MPC_Z_VEL_MAX_DN", "MPC_LAND_SPEED"),
+    ] {
+        assert!(row(greatest) < row(speed), "{greatest} after {speed}");
+    }
+}
+
+#[test]
 fn a_departure_delay_comes_before_the_takeoff_in_the_frame_of_commands() {
     for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
         let mission = built(|spec| {
