@@ -96,6 +96,7 @@ fn parameters_allow_the_lean_that_the_planned_speed_needs() {
         let params = sortie::mission::parameters(
             vehicle,
             &spec.mission,
+            &[],
             0.0,
             None,
             spec.airspeed_mps(vehicle),
