@@ -22,8 +22,8 @@ pub fn turn_radius_m(vehicle: &Vehicle) -> f64 {
 }
 
 /// The parameters for one vehicle, by the altitude of its home above the sea (metres). With a fence
-/// there is its margin, metres: 0 where the plan keeps none. The items say what else is needed: they
-/// hold the tasks that the vehicle does, too.
+/// there is its margin, metres: 0 where the plan keeps none. The items show what
+/// else the mission needs, its tasks included.
 #[must_use]
 pub fn parameters(
     vehicle: &Vehicle,
@@ -335,7 +335,7 @@ impl List<'_> {
         self.set(
             "MPC_XY_VEL_MAX",
             v.speed_mps.max(12.0),
-            "set before MPC_XY_CRUISE, which PX4 keeps below it",
+            "set before MPC_XY_CRUISE, which PX4 limits to it",
         );
         self.set(
             "MPC_XY_CRUISE",
@@ -401,20 +401,20 @@ impl List<'_> {
         self.armed_until_departure("COM_DISARM_PRFLT", -1.0);
     }
 
-    /// Climb and descent of PX4 on rotors.
-    /// PX4 takes a speed back at once that is above its greatest one: in the other order a copter
-    /// climbed at 3 m/s in place of 4, and came down at 1.5 in place of 3 (1.17, its own simulator).
+    /// Climb and descent of PX4 on rotors, maximum speeds first: PX4 limits a speed to its maximum as
+    /// soon as it is set. In the other order a copter climbed at 3 m/s instead of 4 and descended at
+    /// 1.5 m/s instead of 3 (1.17, SIH simulator).
     fn px4_vertical_speeds(&mut self, climb: &str, descent: &str) {
         let v = self.vehicle;
         self.set(
             "MPC_Z_VEL_MAX_UP",
             v.climb_mps.max(3.0),
-            "set before MPC_Z_V_AUTO_UP, which PX4 keeps below it",
+            "set before MPC_Z_V_AUTO_UP, which PX4 limits to it",
         );
         self.set(
             "MPC_Z_VEL_MAX_DN",
             v.descent_mps.max(1.5),
-            "set before MPC_Z_V_AUTO_DN, which PX4 keeps below it",
+            "set before MPC_Z_V_AUTO_DN, which PX4 limits to it",
         );
         self.set("MPC_Z_V_AUTO_UP", v.climb_mps, climb);
         self.set("MPC_Z_V_AUTO_DN", v.descent_mps, descent);

@@ -101,7 +101,7 @@ fn shape(name: &str, airspace: &Airspace, block: &str) -> Result<Shape, String> 
     })
 }
 
-/// The metres of a limit that is not in feet: the parser rounds them to whole feet.
+/// The value of an `AL` or `AH` line in metres, which the parser rounds to whole feet.
 fn metres(block: &str, limit: &str) -> Option<f64> {
     let mut lines = block.lines().filter_map(|line| line.strip_prefix(limit));
     let value = lines

@@ -181,19 +181,17 @@ impl PlanZone {
         }
     }
 
-    /// Whether its box reaches to so far north, metres.
+    /// Whether the box around the outline spans a northing, metres.
     #[must_use]
-    pub(crate) fn reaches(&self, north_m: f64) -> bool {
+    pub(crate) fn spans_north(&self, north_m: f64) -> bool {
         (self.bounds).is_some_and(|bounds| (bounds.min().y..=bounds.max().y).contains(&north_m))
     }
 
     /// Whether a point of the plane lies in the box around the outline.
     #[must_use]
     pub fn is_near(&self, at: EastNorth) -> bool {
-        self.bounds.is_some_and(|bounds| {
-            let (low, high) = (bounds.min(), bounds.max());
-            (low.x..=high.x).contains(&at.east_m) && (low.y..=high.y).contains(&at.north_m)
-        })
+        let spans_east = |bounds: Rect<f64>| (bounds.min().x..=bounds.max().x).contains(&at.east_m);
+        self.bounds.is_some_and(spans_east) && self.spans_north(at.north_m)
     }
 
     /// Whether it is closed at every height, at all times.

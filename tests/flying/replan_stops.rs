@@ -1,5 +1,7 @@
 //! Copters in flight keep their stops and actions on new paths around a threat that came up.
 
+use std::path::PathBuf;
+
 use crate::support::{command, in_flight};
 use command::{sortie, text};
 use in_flight::{json, lines, planned, take_off, wait_for};
@@ -49,14 +51,15 @@ fn rest_s(lines: &[Value], vehicle: &str, lat: f64, lon: f64) -> Option<f64> {
     Some(number(found, "t_s"))
 }
 
-#[test]
-fn copters_make_the_stops_that_are_left_on_their_new_paths() {
-    let (folder, runs) = planned("visits", &spec());
-    let mut flight = take_off(folder.path(), "visits.yaml", "8");
-    // One stop is made, three are left; the threat is between the third and the fourth.
-    wait_for(&runs, "alpha", 62.0);
+/// Flies a spec and leads both copters around a threat between the third and the fourth place, that
+/// many seconds after T0; the records of a flight that passed, and the folder that holds them.
+fn led_around(name: &str, spec: &str, at_s: f64) -> (tempfile::TempDir, PathBuf) {
+    let (folder, runs) = planned(name, spec);
+    let file = format!("{name}.yaml");
+    let mut flight = take_off(folder.path(), &file, "8");
+    wait_for(&runs, "alpha", at_s);
     let threat = "--threat=36.2950,-84.26835,564";
-    let output = sortie(folder.path(), &["replan", "visits.yaml", threat]);
+    let output = sortie(folder.path(), &["replan", &file, threat]);
     let told = text(&output.stdout);
     assert!(output.status.success(), "{told}{}", text(&output.stderr));
     assert_eq!(told.matches("on its new path").count(), 2, "{told}");
@@ -64,6 +67,13 @@ fn copters_make_the_stops_that_are_left_on_their_new_paths() {
     let flown = json(&runs.join("flight.json"));
     assert_eq!(flown["verdict"], "pass", "{flown:#}");
     assert!(status.success(), "{status}");
+    (folder, runs)
+}
+
+#[test]
+fn copters_make_the_stops_that_are_left_on_their_new_paths() {
+    // One stop is made, three are left.
+    let (_folder, runs) = led_around("visits", &spec(), 62.0);
     let lines = lines(&runs);
     for (vehicle, lat) in [("alpha", 36.29), ("bravo", 36.30)] {
         let of = |line: &&Value| line["vehicle"] == vehicle && line["plan"].is_object();
@@ -97,18 +107,7 @@ planner: {seed: 1, evaluations: 4000, control_points: 4}
 
 #[test]
 fn a_fleet_with_tasks_is_led_around_a_threat() {
-    let (folder, runs) = planned("tasks", &TASKS.replace("ACTION", "{photo: {}}"));
-    let mut flight = take_off(folder.path(), "tasks.yaml", "8");
-    wait_for(&runs, "alpha", 40.0);
-    let threat = "--threat=36.2950,-84.26835,564";
-    let output = sortie(folder.path(), &["replan", "tasks.yaml", threat]);
-    let told = text(&output.stdout);
-    assert!(output.status.success(), "{told}{}", text(&output.stderr));
-    assert_eq!(told.matches("on its new path").count(), 2, "{told}");
-    let status = flight.0.wait().expect("it ends");
-    let flown = json(&runs.join("flight.json"));
-    assert_eq!(flown["verdict"], "pass", "{flown:#}");
-    assert!(status.success(), "{status}");
+    led_around("tasks", &TASKS.replace("ACTION", "{photo: {}}"), 40.0);
 }
 
 #[test]

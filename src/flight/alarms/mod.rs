@@ -117,7 +117,7 @@ struct Standing {
     seen_s: f64,
 }
 
-/// A heartbeat that shows its mode comes within this time, seconds: one comes each second, and two of them may be lost.
+/// A heartbeat that shows its mode comes within this time, seconds: one is sent each second, and two may be lost.
 const BEATS_S: f64 = 3.0;
 
 /// The alarms of a fleet in flight.

@@ -18,7 +18,7 @@ pub(crate) struct SettingsCheck<'a> {
     requested: u8,
     /// Whether a difference is set right.
     set: bool,
-    /// Whether one was: then all are read once more, as an autopilot may bound one by another.
+    /// Whether one was: then all are read again, because an autopilot may limit one by another.
     is_changed: bool,
     /// What is being set, under the name that the vehicle has for it.
     setting: Option<(String, ParamValue)>,
@@ -169,72 +169,68 @@ fn is_same(a: f32, b: f32) -> bool {
 mod tests {
     use super::*;
 
-    /// The differences that a vehicle is found to have which knows these names alone.
-    fn differences(known: &[&str]) -> Vec<String> {
-        let planned = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN", "WP_RADIUS"].map(|name| Parameter {
-            name: name.to_owned(),
-            value: 1.0,
-            why: String::new(),
-        });
+    /// Checks a vehicle that answers by name, and by the value that is set if one is; none where it does
+    /// not know the name. The differences, and when all were read.
+    fn checked(
+        planned: &[(&str, f32)],
+        set: bool,
+        mut answer: impl FnMut(&str, Option<f32>) -> Option<f32>,
+    ) -> (Vec<String>, Time) {
+        let planned: Vec<Parameter> = (planned.iter())
+            .map(|(name, value)| Parameter {
+                name: (*name).to_owned(),
+                value: *value,
+                why: String::new(),
+            })
+            .collect();
         let mut now = Time(0);
-        let mut check = SettingsCheck::new(&planned, false, false, now);
+        let mut check = SettingsCheck::new(&planned, set, false, now);
         let target = Address {
             system: 1,
             component: 1,
         };
         while check.outcome().is_none() {
-            if let Some(Message::Flight(FlightMessage::ParamRead { name, .. })) =
-                check.poll(now, target)
-                && known.contains(&name.as_str())
-            {
-                check.heard(now, &name, ParamValue::float(1.0));
+            let asked = match check.poll(now, target) {
+                Some(Message::Flight(FlightMessage::ParamRead { name, .. })) => Some((name, None)),
+                Some(Message::Flight(FlightMessage::ParamSet { name, value, .. })) => {
+                    Some((name, Some(value.value(false))))
+                }
+                _ => None,
+            };
+            let answered = asked.and_then(|(name, value)| Some((answer(&name, value)?, name)));
+            if let Some((held, name)) = answered {
+                check.heard(now, &name, ParamValue::float(held));
             }
             now = now + REPEAT_MS;
         }
-        check.outcome().unwrap_or_default().to_vec()
+        (check.outcome().unwrap_or_default().to_vec(), now)
+    }
+
+    /// The differences that a vehicle is found to have which knows these names alone.
+    fn differences(known: &[&str]) -> Vec<String> {
+        let planned = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN", "WP_RADIUS"].map(|name| (name, 1.0));
+        checked(&planned, false, |name, _| {
+            known.contains(&name).then_some(1.0)
+        })
+        .0
     }
 
     #[test]
     fn a_parameter_that_goes_back_after_it_was_set_is_a_difference() {
         let planned = [("MPC_Z_V_AUTO_UP", 4.0), ("MPC_Z_VEL_MAX_UP", 4.0)];
         let outcome = |planned: &[(&str, f32)]| {
-            let planned: Vec<Parameter> = (planned.iter())
-                .map(|(name, value)| Parameter {
-                    name: (*name).to_owned(),
-                    value: *value,
-                    why: String::new(),
-                })
-                .collect();
-            // As PX4 does it: the speed that was just set is bounded when the next message comes.
+            // As PX4 does it: a speed that was set is limited when the next message comes.
             let (mut speed, mut greatest) = (3.0, 3.0);
-            let mut now = Time(0);
-            let mut check = SettingsCheck::new(&planned, true, false, now);
-            let target = Address {
-                system: 1,
-                component: 1,
-            };
-            while check.outcome().is_none() {
-                let asked = check.poll(now, target);
+            let answer = |name: &str, set: Option<f32>| {
                 speed = f32::min(speed, greatest);
-                let name = match asked {
-                    Some(Message::Flight(FlightMessage::ParamRead { name, .. })) => name,
-                    Some(Message::Flight(FlightMessage::ParamSet { name, value, .. })) => {
-                        match name.as_str() {
-                            "MPC_Z_V_AUTO_UP" => speed = value.value(false),
-                            _ => greatest = value.value(false),
-                        }
-                        name
-                    }
-                    _ => String::new(),
+                let held = match name {
+                    "MPC_Z_V_AUTO_UP" => &mut speed,
+                    _ => &mut greatest,
                 };
-                let held = match name.as_str() {
-                    "MPC_Z_V_AUTO_UP" => speed,
-                    _ => greatest,
-                };
-                check.heard(now, &name, ParamValue::float(held));
-                now = now + REPEAT_MS;
-            }
-            check.outcome().unwrap_or_default().to_vec()
+                *held = set.unwrap_or(*held);
+                Some(*held)
+            };
+            checked(planned, true, answer).0
         };
         let found = outcome(&planned);
         assert_eq!(found.len(), 1, "{found:?}");
@@ -257,38 +253,18 @@ mod tests {
             ("RTL_ALT", 4000.0),
             ("WPNAV_RADIUS", 500.0),
         ];
-        let planned = planned.map(|(name, value)| Parameter {
-            name: name.to_owned(),
-            value,
-            why: String::new(),
-        });
         let mut own = own.to_vec();
-        let mut now = Time(0);
-        let mut check = SettingsCheck::new(&planned, set, false, now);
-        let target = Address {
-            system: 1,
-            component: 1,
-        };
         let mut sets = Vec::new();
-        while check.outcome().is_none() {
-            let asked = check.poll(now, target);
-            if let Some(Message::Flight(FlightMessage::ParamSet { name, value, .. })) = &asked {
-                sets.push((name.clone(), value.value(false)));
-                let held = own.iter_mut().find(|(known, _)| known == name);
-                held.expect("a parameter that it has").1 = value.value(false);
+        let (differences, until) = checked(&planned, set, |name, value| {
+            let held = own.iter_mut().find(|(known, _)| *known == name);
+            if let Some(value) = value {
+                sets.push((name.to_owned(), value));
+                held?.1 = value;
+                return Some(value);
             }
-            let name = match asked {
-                Some(Message::Flight(
-                    FlightMessage::ParamRead { name, .. } | FlightMessage::ParamSet { name, .. },
-                )) => name,
-                _ => String::new(),
-            };
-            if let Some((_, value)) = own.iter().find(|(known, _)| *known == name) {
-                check.heard(now, &name, ParamValue::float(*value));
-            }
-            now = now + REPEAT_MS;
-        }
-        (check.outcome().unwrap_or_default().to_vec(), sets, now)
+            held.map(|(_, value)| *value)
+        });
+        (differences, sets, until)
     }
 
     #[test]

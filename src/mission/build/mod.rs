@@ -124,8 +124,8 @@ pub fn build_course(
     let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
-    let (altitude, ground) = (spec.mission.altitude, stations.home.amsl);
-    let encoder = Encoder::new(world, altitude, vehicle.home, ground);
+    let (reference, ground) = (spec.mission.altitude, stations.home.amsl);
+    let encoder = Encoder::new(world, reference, vehicle.home, ground);
     let writer = ItemWriter {
         spec,
         vehicle,

@@ -258,7 +258,7 @@ fn floors((world, layer): (&World, Layer), grid: &Grid) -> Vec<Option<f64>> {
     for row in 0..grid.rows {
         let nodes = row * grid.columns..(row + 1) * grid.columns;
         let north_m = grid.at(nodes.start).north_m;
-        let zones = world.zones.iter().filter(|zone| zone.reaches(north_m));
+        let zones = world.zones.iter().filter(|zone| zone.spans_north(north_m));
         let zones: Vec<&PlanZone> = zones.collect();
         floors.extend(nodes.map(|node| floor_at((world, layer), &zones, grid.at(node))));
     }

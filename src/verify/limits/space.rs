@@ -7,7 +7,7 @@ use crate::world::{Layer, NoData, World};
 use super::closed::Closed;
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
-use crate::verify::measure::outline::{Cylinder, Keep, Outline, StretchBox, ZoneShape};
+use crate::verify::measure::outline::{Cylinder, Keep, Outline, Part, ZoneShape};
 use crate::verify::measure::patch::Patch;
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
@@ -71,7 +71,7 @@ impl<'a> Space<'a> {
             threats: vec![Worst::default(); self.threats.len()],
             ..Found::default()
         };
-        let mut way: Vec<(&Chord, Stretch, StretchBox)> = Vec::new();
+        let mut way: Vec<Part<'_>> = Vec::new();
         let mut last: Option<(EastNorth, LatLon)> = None;
         let chords = flight.chords.iter().enumerate();
         for (_, chord) in chords.filter(|(index, _)| Some(*index) != flight.repetition) {
@@ -85,8 +85,8 @@ impl<'a> Space<'a> {
             self.judge_ceiling(chord, &mut found.ceiling);
             self.judge_layer(layer, chord, &parts, &mut found);
             self.judge_threats(chord, &parts, &mut found.threats);
-            let boxed = |part: &Stretch| (chord, *part, StretchBox::around(part));
-            way.extend(parts.iter().map(boxed));
+            let part_of = |part: &Stretch| Part::new(chord, *part, chord.bow_m);
+            way.extend(parts.iter().map(part_of));
             for part in &parts {
                 // What is flown may be as far as its bow from the chord, to any side.
                 let bow_m = chord.bow_m;
@@ -297,23 +297,21 @@ impl<'a> Space<'a> {
     }
 
     /// The room to a zone. Inside its box nothing is known of that but that it may be negative.
-    fn judge_zone(
-        &self,
-        (zone, shape): (&Zone, &ZoneShape),
-        way: &[(&Chord, Stretch, StretchBox)],
-    ) -> Worst {
+    fn judge_zone(&self, (zone, shape): (&Zone, &ZoneShape), way: &[Part<'_>]) -> Worst {
         let least_m = self.spec.buffers.zones_m.max(zone.buffer_m);
         let closed = Closed::new(zone, &self.surface, self.spec.separation.time_slack_s);
         let closed = closed.widened(least_m);
-        let judge = |(chord, part, _): &(&Chord, Stretch, StretchBox), worst: &mut Worst| {
-            for part in closed.parts(chord, part) {
-                let (margin_m, w) = shape.margin_m(&part);
-                worst.at_least(margin_m - chord.bow_m, least_m, || moment(chord, &part, w));
+        let judge = |part: &Part<'_>, worst: &mut Worst| {
+            for stretch in closed.parts(part.chord, &part.stretch) {
+                let (margin_m, w) = shape.margin_m(&stretch);
+                worst.at_least(margin_m - part.slack_m, least_m, || {
+                    moment(part.chord, &stretch, w)
+                });
             }
         };
         nearest_first(
             way,
-            |(chord, _, around)| shape.bound_m(around) - chord.bow_m - least_m,
+            |part| shape.bound_m(&part.around) - part.slack_m - least_m,
             -least_m,
             judge,
         )

@@ -8,7 +8,7 @@
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 use crate::spec::Zone;
 
-use super::segment::Stretch;
+use super::segment::{Chord, Stretch};
 
 /// Metres in a degree of latitude and of longitude, WGS84 (series in the NGA handbook, to a centimetre).
 pub(crate) fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
@@ -64,6 +64,26 @@ impl StretchBox {
                 false => (0.0, 0.0),
             },
             per_degree_m: (north_m, east_m),
+        }
+    }
+}
+
+/// A straight part of a flight, or of a way back from it.
+pub(crate) struct Part<'a> {
+    pub(crate) chord: &'a Chord,
+    pub(crate) stretch: Stretch,
+    pub(crate) around: StretchBox,
+    /// What is flown may be nearer to anything by so much, metres.
+    pub(crate) slack_m: f64,
+}
+
+impl<'a> Part<'a> {
+    pub(crate) fn new(chord: &'a Chord, stretch: Stretch, slack_m: f64) -> Self {
+        Self {
+            chord,
+            around: StretchBox::around(&stretch),
+            stretch,
+            slack_m,
         }
     }
 }

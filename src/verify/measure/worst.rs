@@ -83,9 +83,8 @@ impl Worst {
     }
 }
 
-/// The worst of many parts, each with a bound: no room in it is less, unless the bound is at most
-/// `silent`. The part of the least bound is judged first; what has more room than that cannot be
-/// the worst.
+/// The worst value of many parts. Judges the part with the lowest bound first, then skips every part
+/// whose bound exceeds the least room found. A bound above `silent` never exceeds the room of its part.
 pub(crate) fn nearest_first<T>(
     parts: &[T],
     bound: impl Fn(&T) -> f64,

@@ -8,7 +8,7 @@ use super::{Contract, count};
 use crate::geodesy::LatLon;
 use crate::mission::{self, FENCE_REACH_S, Item, command};
 use crate::verify::limits::fence::{Fence, boundaries, covers, holds};
-use crate::verify::measure::outline::StretchBox;
+use crate::verify::measure::outline::Part;
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
 use crate::verify::measure::worst::{Worst, nearest_first};
 use crate::verify::{Limit, Margin, Moment, Requirement};
@@ -27,26 +27,6 @@ struct Held<'a> {
     absent: Vec<Piece>,
     /// Items that the spec's own fence has.
     needs: usize,
-}
-
-/// A straight part of a flight, or of a way back from one of its chords.
-struct Way<'a> {
-    chord: &'a Chord,
-    part: Stretch,
-    around: StretchBox,
-    /// It may be nearer to anything by so much, metres.
-    slack_m: f64,
-}
-
-impl<'a> Way<'a> {
-    fn new(chord: &'a Chord, part: Stretch, slack_m: f64) -> Self {
-        Self {
-            chord,
-            around: StretchBox::around(&part),
-            part,
-            slack_m,
-        }
-    }
 }
 
 impl Contract<'_> {
@@ -159,13 +139,13 @@ impl Contract<'_> {
         let bound_m = FENCE_REACH_S * self.vehicle.top_speed_mps();
         let home = self.mission.home;
         let home = LatLon::of_e7(home.x, home.y);
-        let mut ways: Vec<Way<'_>> = Vec::new();
-        let mut backs: Vec<Way<'_>> = Vec::new();
+        let mut ways: Vec<Part<'_>> = Vec::new();
+        let mut backs: Vec<Part<'_>> = Vec::new();
         for (chord, parts) in self.flown() {
             for part in parts {
-                ways.push(Way::new(chord, part, 0.0));
+                ways.push(Part::new(chord, part, 0.0));
                 // Another way back may be nearer by half of a step.
-                let back = |back| Way::new(chord, back, 0.5 * BACK_STEP_M);
+                let back = |back| Part::new(chord, back, 0.5 * BACK_STEP_M);
                 backs.extend(ways_back(&part, home).map(back));
             }
         }
@@ -181,9 +161,9 @@ impl Contract<'_> {
                 |way| region.bound_m(&way.around) - way.slack_m - bound_m,
                 -bound_m,
                 |way, worst| {
-                    let (away_m, w) = region.margin_m(&way.part, f64::INFINITY);
+                    let (away_m, w) = region.margin_m(&way.stretch, f64::INFINITY);
                     worst.at_least(away_m - way.slack_m, bound_m, || {
-                        self.moment_of(way.chord, &way.part, w)
+                        self.moment_of(way.chord, &way.stretch, w)
                     });
                 },
             )
