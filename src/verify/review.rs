@@ -275,7 +275,6 @@ impl<'a> Sortie<'a> {
             at: world.frame.to_plan(place),
             amsl: standing(world, place, &mission.home),
         });
-        let tolerance_m = spec.mission.tolerance_m;
         Self {
             vehicle,
             stations,
@@ -283,9 +282,8 @@ impl<'a> Sortie<'a> {
             home,
             stands,
             fence: Fence::read(&mission.fence),
-            flight: flight.unwrap_or_else(|| {
-                executor::fly(vehicle, mission, world, stations, stands, tolerance_m)
-            }),
+            flight: flight
+                .unwrap_or_else(|| executor::fly(vehicle, mission, spec, world, stations, stands)),
         }
     }
 

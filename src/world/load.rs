@@ -243,11 +243,13 @@ impl Check<'_> {
         } else if agl_m < area.min_agl.0 {
             let above_m = digits::distinct_from(agl_m, area.min_agl.0, 1);
             let found = format!("{what} is {above_m} m above {over}");
-            self.report(
-                path,
-                found,
-                format!("at least {} m (area.min_agl_m)", area.min_agl.0),
-            );
+            let least = format!("at least {} m (area.min_agl_m)", area.min_agl.0);
+            let is_stop = ["stop", "task"].contains(&what);
+            let allowed = match is_stop && matches!(end.altitude, Placement::Amsl(_)) {
+                true => format!("{least}; a copter comes straight down to a lower `agl_m`"),
+                false => least,
+            };
+            self.report(path, found, allowed);
         } else if agl_m < self.least_agl().buffered_m {
             let least = self.least_agl();
             let above_m = digits::distinct_from(agl_m, least.buffered_m, 1);

@@ -63,6 +63,15 @@ pub struct Stations {
     pub stops: Vec<PlanPoint>,
 }
 
+/// A place below the least height above ground, and the point above it from which a copter comes straight down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LowPlace {
+    /// Where the path to it ends.
+    pub top: PlanPoint,
+    /// The altitude of the place.
+    pub low: Amsl,
+}
+
 /// Everything that does not move, as a plan has to keep it: every limit with its buffer. The spec
 /// has the limits alone. Threats, zones and stations keep the order of the spec.
 #[derive(Clone, Debug)]
@@ -195,6 +204,26 @@ impl World {
                 .collect(),
             ..self
         }
+    }
+
+    /// The places below the least height above ground that a vehicle may come to: its own stops, and those of
+    /// tasks.
+    #[must_use]
+    pub fn drops(
+        &self,
+        spec: &MissionSpec,
+        vehicle: &Vehicle,
+        stations: &Stations,
+    ) -> Vec<LowPlace> {
+        let own = vehicle.stops.iter().zip(&stations.stops);
+        let tasks = spec.tasks.iter().zip(&self.tasks);
+        let tasks = tasks.flat_map(|(task, points)| task.stops.iter().zip(points));
+        let low = own.chain(tasks).filter(|(stop, _)| stop.drop_m > 0.0);
+        low.map(|(stop, top)| LowPlace {
+            top: *top,
+            low: stop.below(*top).amsl,
+        })
+        .collect()
     }
 
     /// Whether a point of the plane lies in the allowed area; its edge does not.

@@ -480,17 +480,9 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
             ..vehicle.start
         };
         let stop = |id: &str, end: EndPoint, hold_s: f64| Stop {
-            id: id.to_owned(),
-            end,
             hold_s,
             acceptance_radius_m: Some(3.0),
-            heading_rad: None,
-            actions: Vec::new(),
-            window_s: None,
-            wait_s: 0.0,
-            arrives: sortie::spec::Arrival::Planned,
-            trigger_m: None,
-            speed_mps: None,
+            ..Stop::passing(id, end)
         };
         vehicle.speed_mps = 8.0;
         vehicle.stops = vec![
@@ -529,21 +521,14 @@ fn a_copter_takes_its_pictures_and_says_so() {
         let mut alpha = sky::lane("alpha", 1, 36.30);
         alpha.autopilot = autopilot;
         alpha.speed_mps = 9.0;
+        let end = EndPoint {
+            place: place(36.302, -84.254),
+            altitude: Placement::Agl(Agl(80.0)),
+        };
         alpha.stops = vec![Stop {
-            id: "mast".to_owned(),
-            end: EndPoint {
-                place: place(36.302, -84.254),
-                altitude: Placement::Agl(Agl(80.0)),
-            },
             hold_s: 4.0,
-            acceptance_radius_m: None,
-            heading_rad: None,
             actions: vec![StopAction::Photo],
-            speed_mps: None,
-            window_s: None,
-            wait_s: 0.0,
-            arrives: sortie::spec::Arrival::Planned,
-            trigger_m: None,
+            ..Stop::passing("mast", end)
         }];
         let plan = plan(vec![alpha], OnLinkLoss::Continue);
         let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
@@ -596,6 +581,42 @@ fn a_copter_places_its_load_on_the_ground_and_flies_on() {
     let lowest_m = below.map(|fix| fix.amsl.0).fold(f64::INFINITY, f64::min);
     let ground_m = plan.world.stations[0].stops[0].amsl.0 - 80.0;
     assert!((lowest_m - ground_m).abs() < 1.0, "{lowest_m} {ground_m}");
+}
+
+/// Copters of both autopilots come straight down to a place below the least height above ground.
+#[test]
+fn a_copter_comes_down_to_a_low_place_and_its_limits_hold() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut alpha = sky::lane("alpha", 1, 36.30);
+        alpha.autopilot = autopilot;
+        alpha.speed_mps = 9.0;
+        let end = EndPoint {
+            place: place(36.302, -84.254),
+            altitude: Placement::Agl(Agl(80.0)),
+        };
+        alpha.stops = vec![Stop {
+            drop_m: 74.0,
+            hold_s: 4.0,
+            actions: vec![StopAction::Gripper { grabs: false }],
+            ..Stop::passing("yard", end)
+        }];
+        let plan = plan(vec![alpha], OnLinkLoss::Continue);
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        let alarms = sky.events.iter().filter(|event| event.alarm.is_some());
+        assert_eq!(alarms.count(), 0, "{:?}", sky.events);
+        let report = plan.judge(&sky);
+        assert!(report.passes(), "{report:#?}");
+        let (_, track) = sky.fleet.flown().next().expect("flown");
+        let top = plan.world.stations[0].stops[0];
+        let near = track.fixes.iter().filter(|fix| {
+            let at = plan.world.frame.to_plan(fix.place);
+            at.distance_m(top.at) < 3.0 && (fix.amsl.0 - (top.amsl.0 - 74.0)).abs() < 1.5
+        });
+        let times: Vec<f64> = near.map(|fix| fix.t_s).collect();
+        let rested_s = times.last().expect("it was there") - times[0];
+        assert!(rested_s >= 3.0, "{rested_s} s");
+    }
 }
 
 #[test]

@@ -150,6 +150,97 @@ fn a_stop_left_out_cut_short_or_out_of_order_fails() {
     assert!(review(&other_way, &world, &[(0, mission)]).passes());
 }
 
+/// A yard 6 m above the ground, where 60 m are asked for.
+fn low(autopilot: Autopilot) -> MissionSpec {
+    let mut spec = round(autopilot);
+    let north = &mut spec.vehicles[0].stops[0];
+    (north.drop_m, north.hold_s) = (74.0, 4.0);
+    north.actions = vec![StopAction::Gripper { grabs: false }];
+    spec
+}
+
+#[test]
+fn a_place_below_the_least_height_is_reached_straight_down_from_a_rest_above_it() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let (_, done) = dispatched(&low(autopilot));
+        let mission = &done.missions[0].1;
+        let items = mission.items.iter();
+        let rests = items.filter(|item| item.command == command::NAV_WAYPOINT);
+        let home_m = f64::from(mission.home.amsl_m);
+        let rests: Vec<(f32, f64, [i32; 2])> = rests
+            .filter(|item| item.params[0] > 0.0)
+            .map(|item| {
+                let above_m = match sortie::mission::frame::canonical(item.frame) {
+                    sortie::mission::frame::GLOBAL => f64::from(item.z) - home_m,
+                    _ => f64::from(item.z),
+                };
+                (item.params[0], above_m, [item.x, item.y])
+            })
+            .collect();
+        let holds: Vec<f32> = rests.iter().map(|rest| rest.0).collect();
+        assert_eq!(holds, [1.0, 1.0, 3.0, 1.0, 1.0]);
+        let heights: Vec<f64> = rests.iter().map(|rest| rest.1).collect();
+        assert_eq!(heights, [80.0, 6.0, 6.0, 80.0, 80.0]);
+        assert!(rests[..4].iter().all(|rest| rest.2 == rests[0].2));
+        let margins = &done.review.margins;
+        let contact = margins.iter().find(|of| of.limit == Limit::GroundContact);
+        assert!((contact.expect("judged").value - 6.0).abs() < 0.01);
+        let clearance = margins
+            .iter()
+            .find(|of| of.limit == Limit::TerrainClearance);
+        assert!(clearance.expect("judged").value >= 60.0);
+    }
+}
+
+#[test]
+fn a_place_below_the_least_height_excuses_nothing_but_its_own_column() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let spec = low(autopilot);
+        let (world, done) = dispatched(&spec);
+        let mission = &done.missions[0].1;
+        let is_rest =
+            |item: &&mut Item| item.command == command::NAV_WAYPOINT && item.params[0] > 0.0;
+        let judged = |spec: &MissionSpec, change: &dyn Fn(usize, &mut Item)| {
+            let mut changed = mission.clone();
+            let rests = changed.items.iter_mut().filter(is_rest);
+            rests
+                .enumerate()
+                .for_each(|(index, item)| change(index, item));
+            failed(&review(spec, &world, &[(0, &changed)]))
+        };
+        let is_low =
+            |failed: &[String]| failed.iter().any(|of| of.starts_with("terrain clearance"));
+        assert!(judged(&spec, &|_, _| ()).is_empty());
+        let lower = judged(&spec, &|index, item| {
+            if [1, 2].contains(&index) {
+                item.z -= 4.0;
+            }
+        });
+        assert!(is_low(&lower), "{lower:?}");
+        let aside = judged(&spec, &|index, item| {
+            if index < 4 {
+                item.x += 2000;
+            }
+        });
+        assert!(is_low(&aside), "{aside:?}");
+        let slanting = judged(&spec, &|index, item| {
+            if index == 0 {
+                item.x += 2000;
+            }
+        });
+        assert!(is_low(&slanting), "{slanting:?}");
+        let in_passing = judged(&spec, &|index, item| {
+            if index == 0 {
+                item.params[0] = 0.0;
+            }
+        });
+        assert!(is_low(&in_passing), "{in_passing:?}");
+        let mut high = spec.clone();
+        high.vehicles[0].stops[0].drop_m = 0.0;
+        assert!(is_low(&judged(&high, &|_, _| ())));
+    }
+}
+
 #[test]
 fn a_stop_has_its_radius_its_heading_and_a_speed_from_there_on() {
     for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {

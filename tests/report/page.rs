@@ -4,7 +4,7 @@ use std::fs;
 
 use sortie::plan::{BlockingElement, Change, Relaxation, VehiclePlan};
 use sortie::report::infeasibilities;
-use sortie::spec::{Arrival, Stop, StopAction, Vehicle};
+use sortie::spec::{Stop, StopAction, Vehicle};
 use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
 
@@ -65,17 +65,9 @@ fn the_page_and_the_picture_show_each_stop_with_what_is_done_there() {
         middle(start.place.lon_deg, goal.place.lon_deg),
     );
     spec.vehicles[0].stops = vec![Stop {
-        id: "mast <1>".to_owned(),
-        end,
         hold_s: 7.0,
-        acceptance_radius_m: None,
-        heading_rad: None,
         actions: vec![StopAction::Photo],
-        speed_mps: None,
-        window_s: None,
-        wait_s: 0.0,
-        arrives: Arrival::Planned,
-        trigger_m: None,
+        ..Stop::passing("mast <1>", end)
     }];
     let facts = facts(spec);
     let shown = "stop mast &lt;1&gt;: 7 s, photo</title>";

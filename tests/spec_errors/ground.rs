@@ -108,12 +108,12 @@ fn a_value_a_hair_beside_its_limit_does_not_read_like_it() {
 }
 
 /// Everything that is wrong with a spec, over the ground as well.
-fn everything(text: &str) -> Vec<Issue> {
+pub(super) fn everything(text: &str) -> Vec<Issue> {
     let mission = sortie::Mission::parse("", text);
     mission.expect_err("something is wrong").issues
 }
 
-fn has(issues: &[Issue], path: &str, part: &str) {
+pub(super) fn has(issues: &[Issue], path: &str, part: &str) {
     let is_it = |issue: &&Issue| issue.path == path && issue.found.contains(part);
     assert!(
         issues.iter().any(|issue| is_it(&issue)),
@@ -186,13 +186,13 @@ fn what_the_ground_would_show_of_a_broken_value_is_not_reported() {
         assert_eq!(found.len(), 1, "{new}: {found:#?}");
     }
     // A list that is broken moves no path: the second stop is the second.
-    let stops = "stops: [{id: a, lat: 36.2, lon: x, agl_m: 80}, {id: b, lat: 36.3, lon: -84.15, agl_m: 20}]";
+    let stops = "stops: [{id: a, lat: 36.2, lon: x, agl_m: 80}, {id: b, lat: 36.3, lon: -84.15, amsl_m: 330}]";
     let text = FULL.replace("sortie: 1", "sortie: 2").replace(
         "    max_airspeed_mps: 20\n",
         &format!("    max_airspeed_mps: 20\n    {stops}\n"),
     );
     let found = everything(&text);
-    has(&found, "vehicles[1].stops[1]", "20.0 m above ground");
+    has(&found, "vehicles[1].stops[1]", "m above ground");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use sortie::spec::{MAX_STOPS, Order};
 
+use super::ground::{everything, has};
 use super::{good, issues, only, over_ground, with};
 
 const ALPHA: &str = "    depart_s: 5\n";
@@ -153,15 +154,44 @@ fn stops_are_not_too_many() {
 }
 
 #[test]
-fn a_stop_keeps_the_height_that_a_start_keeps() {
+fn a_stop_above_the_sea_or_on_a_wing_keeps_the_height_that_a_start_keeps() {
     let low = with(
         ALPHA,
-        &stops("{id: t1, lat: 36.22, lon: -84.30, agl_m: 40}"),
+        &stops("{id: t1, lat: 36.22, lon: -84.30, amsl_m: 340}"),
     );
     let found = over_ground(&low);
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(found[0].path, "vehicles[0].stops[0]");
     assert!(found[0].found.contains("stop is 40"), "{found:?}");
+    assert!(found[0].allowed.contains("a lower `agl_m`"), "{found:?}");
+    for airframe in ["plane", "vtol"] {
+        let own = stops("{id: t1, lat: 36.22, lon: -84.30, agl_m: 40}");
+        let kind = format!("airframe: {airframe}");
+        let low = with(ALPHA, &own).replacen("airframe: copter", &kind, 1);
+        let found = everything(&low);
+        has(&found, "vehicles[0].stops[0]", "stop is 40");
+    }
+}
+
+#[test]
+fn a_copter_comes_straight_down_to_a_stop_below_the_least_height() {
+    let at = |agl_m: &str| {
+        with(
+            ALPHA,
+            &stops(&format!(
+                "{{id: t1, lat: 36.22, lon: -84.30, agl_m: {agl_m}, hold_s: 3}}"
+            )),
+        )
+    };
+    let vehicle = &good(&at("5")).vehicles[0];
+    let stop = &vehicle.stops[0];
+    assert!((stop.drop_m - 55.0).abs() < 1e-9, "{stop:?}");
+    let down_s = 2.0 + 55.0 / vehicle.descent_mps + 55.0 / vehicle.climb_mps;
+    assert!((vehicle.rest_after_s(0) - 3.0 - down_s).abs() < 1e-9);
+    assert!(good(&at("60")).vehicles[0].stops[0].drop_m.abs() < 1e-12);
+    let found = issues(&at("0.5"));
+    assert_eq!(found[0].path, "vehicles[0].stops[0].agl_m");
+    assert!(found[0].allowed.contains("at least 1 m"), "{found:?}");
 }
 
 #[test]

@@ -332,7 +332,8 @@ impl<'a> FlownTrack<'a> {
             return Vec::new();
         };
         let stops = vehicle.stops.iter().zip(&stations.stops);
-        let made = stops.filter_map(|(stop, &point)| {
+        let made = stops.filter_map(|(stop, &end)| {
+            let point = stop.below(end);
             let pairs = self.points.windows(2).zip(self.fixes().windows(2));
             let nearest = pairs.map(|(points, fixes)| {
                 let (distance_m, share) = to_segment(point, points[0], points[1]);

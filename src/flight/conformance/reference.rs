@@ -99,18 +99,24 @@ impl Reference {
         reference
     }
 
-    /// Whether a place is in the column of an item to which the vehicle comes straight down between two
-    /// waypoints, and from which it rises again: it puts down a load.
+    /// Whether a place is in the column of an item on a way straight down from one waypoint and up again to
+    /// another one: it puts down a load, or comes to a place below the least height above ground.
     pub(crate) fn dips_at(&self, item: usize, at: EastNorth) -> bool {
-        let is_above = |top: &Waypoint, low: &Waypoint| {
-            top.point.at.distance_m(low.point.at) < CHORD_M && top.point.amsl.0 > low.point.amsl.0
+        let is_near =
+            |one: &Waypoint, two: &Waypoint| one.point.at.distance_m(two.point.at) < CHORD_M;
+        let highest_m = |part: &[Waypoint]| {
+            let amsl_m = part.iter().map(|of| of.point.amsl.0);
+            amsl_m.fold(f64::NEG_INFINITY, f64::max)
         };
-        let mut interior = self.waypoints.windows(3).skip(1);
-        interior.any(|of| {
-            of[1].item == item
-                && is_above(&of[0], &of[1])
-                && is_above(&of[2], &of[1])
-                && of[1].point.at.distance_m(at) < COLUMN_M
+        self.waypoints.chunk_by(is_near).any(|column| {
+            let next = column.iter().position(|of| of.item == item);
+            let Some(next) = next.filter(|next| *next > 0) else {
+                return false;
+            };
+            let low_m = column[next - 1].point.amsl.0.min(column[next].point.amsl.0);
+            highest_m(&column[..next]) > low_m
+                && highest_m(&column[next..]) > low_m
+                && column[next].point.at.distance_m(at) < COLUMN_M
         })
     }
 

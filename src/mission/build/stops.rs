@@ -25,20 +25,29 @@ impl ItemWriter<'_> {
     /// ArduPilot runs commands without a location while it holds at the waypoint after them, and PX4
     /// when the hold before them ends: a stop with commands ends in a second waypoint at the same
     /// place.
-    pub(super) fn stop(&self, stop: &Stop, point: PlanPoint) -> Result<Vec<Item>, NoData> {
-        let mut turns = self.turn_to(stop);
-        turns.extend(self.actions(stop)?);
-        let mut items = if turns.is_empty() {
-            vec![self.rest(stop, stop.rest_s(), point)?]
-        } else {
-            let first_s = FIRST_REST_S + stop.wait_s;
-            let mut items = vec![self.rest(stop, first_s, point)?];
-            items.extend(turns);
-            items.push(self.rest(stop, stop.rest_s() - first_s, point)?);
-            items
-        };
+    /// A drop is reached straight down from a rest above it, and left straight up to another one.
+    pub(super) fn stop(&self, stop: &Stop, end: PlanPoint) -> Result<Vec<Item>, NoData> {
+        let drops = stop.drop_m > 0.0;
+        let above = || self.rest(stop, FIRST_REST_S, end);
+        let mut items: Vec<Item> = drops.then(above).transpose()?.into_iter().collect();
+        items.extend(self.done_at(stop, stop.below(end))?);
+        items.extend(drops.then(above).transpose()?);
         items.extend(stop.speed_mps.map(|speed_mps| self.change_speed(speed_mps)));
         items.extend(stop.trigger_m.map(trigger));
+        Ok(items)
+    }
+
+    /// The rest at a point, and what is done there.
+    fn done_at(&self, stop: &Stop, point: PlanPoint) -> Result<Vec<Item>, NoData> {
+        let mut turns = self.turn_to(stop);
+        turns.extend(self.actions(stop)?);
+        if turns.is_empty() {
+            return Ok(vec![self.rest(stop, stop.rest_s(), point)?]);
+        }
+        let first_s = FIRST_REST_S + stop.wait_s;
+        let mut items = vec![self.rest(stop, first_s, point)?];
+        items.extend(turns);
+        items.push(self.rest(stop, stop.rest_s() - first_s, point)?);
         Ok(items)
     }
 
@@ -77,7 +86,7 @@ impl ItemWriter<'_> {
             items.push(Item::without_place(configure, itself));
         }
         for action in &stop.actions {
-            items.push(self.action(action, stop.end)?);
+            items.push(self.action(action, stop.place())?);
         }
         Ok(items)
     }

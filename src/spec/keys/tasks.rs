@@ -71,7 +71,7 @@ pub struct TaskPlace {
     /// Longitude, degrees east.
     #[schemars(required, range(min = -180, max = 180))]
     pub lon: Option<f64>,
-    /// Height above the ground there, metres.
+    /// Height above the ground there, metres. A copter comes straight down to a place below area.min_agl_m.
     #[schemars(range(min = 0, max = 20000))]
     pub agl_m: Option<f64>,
     /// Metres above mean sea level.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::action::RELEASE_S;
 use super::{EndPoint, Placement, Span, StopAction, Vehicle};
-use crate::geodesy::{Agl, LatLon};
+use crate::geodesy::{Agl, Amsl, LatLon, PlanPoint};
 use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
@@ -35,6 +35,9 @@ pub struct Stop {
     pub id: String,
     /// Where, and how high.
     pub end: EndPoint,
+    /// How far it comes straight down from there and up again, to a place below the least height above
+    /// ground, metres; what is done is done below. 0 for no such drop.
+    pub drop_m: f64,
     /// How long the vehicle stays there, seconds; [`Stop::rest_s`] is what is encoded.
     pub hold_s: f64,
     /// How near it must come, metres; absent: `mission.tolerance_m`.
@@ -87,12 +90,34 @@ impl Stop {
 }
 
 impl Stop {
+    /// Where what is done there is done: below its end, if it is a drop.
+    #[must_use]
+    pub fn place(&self) -> EndPoint {
+        match self.end.altitude {
+            Placement::Agl(Agl(agl_m)) => EndPoint {
+                altitude: Placement::Agl(Agl(agl_m - self.drop_m)),
+                ..self.end
+            },
+            Placement::Amsl(_) => self.end,
+        }
+    }
+
+    /// The point of that place, below the point of its end.
+    #[must_use]
+    pub fn below(&self, end: PlanPoint) -> PlanPoint {
+        PlanPoint {
+            amsl: Amsl(end.amsl.0 - self.drop_m),
+            ..end
+        }
+    }
+
     /// A stop at which nothing is done.
     #[must_use]
     pub fn passing(id: &str, end: EndPoint) -> Self {
         Self {
             id: id.to_owned(),
             end,
+            drop_m: 0.0,
             hold_s: 0.0,
             acceptance_radius_m: None,
             heading_rad: None,
@@ -213,7 +238,7 @@ impl Vehicle {
     #[must_use]
     pub fn stay_s(&self, stop: &Stop) -> f64 {
         match (self.wing, stop.hold_s > 0.0) {
-            (None, _) => stop.rest_s() + self.placing_s(stop),
+            (None, _) => stop.rest_s() + self.placing_s(stop) + self.dropping_s(stop),
             (Some(_), false) => 0.0,
             (Some(_), true) => stop.rest_s(),
         }
@@ -224,11 +249,21 @@ impl Vehicle {
         let is_placing = |action: &&StopAction| matches!(action, StopAction::PayloadPlace { .. });
         let loads = stop.actions.iter().filter(is_placing).count();
         // The check asks for a height above ground.
-        let Placement::Agl(Agl(agl_m)) = stop.end.altitude else {
+        let Placement::Agl(Agl(agl_m)) = stop.place().altitude else {
             return 0.0;
         };
         let each_s = agl_m / self.slow_descent_mps() + RELEASE_S + agl_m / self.climb_mps;
         f64::from(u32::try_from(loads).unwrap_or(u32::MAX)) * each_s
+    }
+
+    /// How long it takes to come down to a drop, and up from there; above it, it rests twice, seconds.
+    fn dropping_s(&self, stop: &Stop) -> f64 {
+        match stop.drop_m > 0.0 {
+            true => {
+                2.0 * LEAST_REST_S + stop.drop_m * (1.0 / self.descent_mps + 1.0 / self.climb_mps)
+            }
+            false => 0.0,
+        }
     }
 
     /// How fast it comes down at the end of a landing and to place a load, m/s.

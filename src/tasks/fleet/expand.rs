@@ -28,10 +28,13 @@ impl Assigner<'_> {
     ) {
         let count = self.units.len();
         let place = |visit: &(usize, usize)| match self.units.get(visit.0) {
-            Some(unit) if unit.line.is_some() => (2, unit.sites[visit.1]),
-            Some(unit) => (0, unit.sites[visit.1]),
+            Some(unit) if unit.line.is_some() => (2, unit.sites[visit.1], 0),
+            Some(unit) => {
+                let drop_m = self.spec.tasks[unit.task].stops[visit.1].drop_m;
+                (0, unit.sites[visit.1], drop_m.to_bits())
+            }
             // Stops of its own are never merged.
-            None => (1, visit.1),
+            None => (1, visit.1, 0),
         };
         let mut made = Stops::default();
         let mut next = 0;
@@ -132,6 +135,7 @@ impl Assigner<'_> {
         made.stops.push(Stop {
             id: format!("{}.{}.{}", task.id, line + 1, position + 1),
             end: self.end_point(unit.sites[position], sweep),
+            drop_m: 0.0,
             hold_s: 0.0,
             acceptance_radius_m: None,
             heading_rad: None,

@@ -15,8 +15,8 @@ use crate::mission::{
     Item, VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps, frame,
     jerk_mps3, within_speeds_mps,
 };
-use crate::spec::{Airframe, Autopilot, Vehicle};
-use crate::world::{Departure, Stations, World};
+use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
+use crate::world::{Departure, LowPlace, Stations, World};
 
 use super::decode::{self, After, Orders, Step, Unknown};
 use super::flight::{EarlyTop, End, Flight, Hull, Last, Mark};
@@ -36,10 +36,10 @@ const REACH_M: f64 = 500_000.0;
 pub(crate) fn fly(
     vehicle: &Vehicle,
     mission: &VehicleMission,
+    spec: &MissionSpec,
     world: &World,
     stations: &Stations,
     home: PlanPoint,
-    tolerance_m: f64,
 ) -> Flight {
     let orders = decode::decode(mission, home.amsl);
     let vehicle = &*as_set(vehicle, mission);
@@ -48,7 +48,8 @@ pub(crate) fn fly(
         world,
         trajectory: TrajectoryBuilder::new(world),
         stations,
-        tolerance_m,
+        tolerance_m: spec.mission.tolerance_m,
+        drops: world.drops(spec, vehicle, stations),
         flight: Flight::default(),
         home,
         airborne: false,
@@ -93,6 +94,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) trajectory: TrajectoryBuilder<'a>,
     pub(crate) stations: &'a Stations,
     tolerance_m: f64,
+    /// Where it may come below the least height above ground.
+    drops: Vec<LowPlace>,
     pub(crate) flight: Flight,
     pub(crate) home: PlanPoint,
     pub(crate) airborne: bool,

@@ -5,7 +5,7 @@ use crate::world::{NoData, World};
 
 use super::decode::Unknown;
 use super::legs::{Knot, Piece, Shape};
-use crate::verify::measure::segment::{Chord, Phase, stretches};
+use crate::verify::measure::segment::{Chord, Column, Phase, stretches};
 use crate::verify::measure::surface::Surface;
 
 /// A curved or accelerated piece is cut into chords that are never further off than this.
@@ -93,12 +93,12 @@ impl<'a> TrajectoryBuilder<'a> {
         (row, phase): (usize, Phase),
         (from, to): (PlanPoint, PlanPoint),
         duration_s: f64,
-        grounded: bool,
+        column: Option<Column>,
     ) {
         let from_s = self.t_s;
         self.t_s += duration_s;
         self.chords.push(Chord {
-            grounded,
+            column,
             late_s: self.late_s,
             early_s: self.early_s,
             flown: true,

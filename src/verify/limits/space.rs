@@ -9,7 +9,7 @@ use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
 use crate::verify::measure::outline::{Cylinder, Keep, Outline, Part, ZoneShape};
 use crate::verify::measure::patch::Patch;
-use crate::verify::measure::segment::{Chord, Stretch, stretches};
+use crate::verify::measure::segment::{Chord, Column, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
 use crate::verify::measure::worst::{Worst, nearest_first};
 use crate::verify::{Limit, Margin, Moment};
@@ -152,13 +152,13 @@ impl<'a> Space<'a> {
     }
 
     /// Height above ground. On the route it must be the minimum. The column of a takeoff or
-    /// landing begins or ends on the ground and is judged at its upper end. A climb-out and a
+    /// landing begins or ends on the ground and is judged at its upper end, that of a drop at its lower end. A climb-out and a
     /// glide have a limit of their own.
     fn judge_ground(&self, chord: &Chord, parts: &[Stretch], found: &mut Found) {
         let min_m = self.world.min_agl.0;
-        if chord.grounded {
+        if let Some(column) = chord.column {
             if let Some(part) = parts.first() {
-                self.judge_contact(chord, part, &mut found.contact);
+                self.judge_contact(chord, column, part, &mut found.contact);
             }
         } else if let Some(ends_m) = chord.agl_m {
             let (least_m, u) = lower_end(ends_m);
@@ -172,15 +172,16 @@ impl<'a> Space<'a> {
         }
     }
 
-    /// The upper end of a vertical takeoff or landing, above the ground.
-    fn judge_contact(&self, chord: &Chord, part: &Stretch, worst: &mut Worst) {
-        let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
-        let amsl = chord.at(top).amsl;
+    /// The upper end of a vertical takeoff or landing, and the lower end of a drop, above the ground.
+    fn judge_contact(&self, chord: &Chord, column: Column, part: &Stretch, worst: &mut Worst) {
+        let rises = chord.to.amsl.0 > chord.from.amsl.0;
+        let u = f64::from(u8::from(rises == (column == Column::Ground)));
+        let amsl = chord.at(u).amsl;
         match self.surface.height_m(part.from) {
             Ok(ground_m) => worst.at_least(amsl.0 - ground_m, 0.0, || Moment {
                 place: part.from,
                 amsl,
-                t_s: chord.time_s(top),
+                t_s: chord.time_s(u),
                 item: chord.row,
             }),
             Err(gap) => no_data(worst, 0.0, chord, gap),
@@ -242,7 +243,7 @@ impl<'a> Space<'a> {
                 None => self.judge_height(layer.max_agl_m, chord, parts, &mut found.height),
             }
         }
-        if layer.min_amsl_m.is_finite() && !chord.grounded && chord.slope_from_m.is_none() {
+        if layer.min_amsl_m.is_finite() && chord.column.is_none() && chord.slope_from_m.is_none() {
             let ends_m = (chord.from.amsl.0, chord.to.amsl.0);
             let (least_m, u) = lower_end(ends_m);
             let slack_m = chord.agl_m.map_or(0.0, |_| chord.error_m);

@@ -15,6 +15,15 @@ pub(crate) enum Phase {
     Finish,
 }
 
+/// A vertical motion, or a stay, that the least height above ground does not hold for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Column {
+    /// Its lower end is on the ground.
+    Ground,
+    /// To and from a place of the spec below that height, where it stays in the air.
+    Drop,
+}
+
 /// A straight motion at constant velocity from one point to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Chord {
@@ -35,8 +44,8 @@ pub(crate) struct Chord {
     /// Altitude of the ground from which this chord climbs out, or to which it glides, if it
     /// does, metres: height above ground is judged against that on the way.
     pub(crate) slope_from_m: Option<f64>,
-    /// Whether the vehicle is on the ground at the lower end.
-    pub(crate) grounded: bool,
+    /// The column that it is part of, if it is judged by what is below that.
+    pub(crate) column: Option<Column>,
     /// Where a real vehicle may be further from it than `error_m`, by so much, metres: for the
     /// separation, what is nearer to the ground is judged by unflown chords.
     pub(crate) wide_m: f64,
@@ -66,7 +75,7 @@ impl Chord {
             bow_m: 0.0,
             agl_m: None,
             slope_from_m: None,
-            grounded: false,
+            column: None,
             wide_m: 0.0,
             late_s: 0.0,
             early_s: 0.0,

@@ -1,11 +1,14 @@
 //! The stops of a vehicle: each alone, and apart from the places before and after it.
 
 use super::Checker;
-use crate::geodesy::LatLon;
+use crate::geodesy::{Agl, LatLon};
 use crate::numeric::digits;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{Arrival, MAX_STOPS, OnWay, Order, Stop};
+use crate::spec::{Arrival, EndPoint, MAX_STOPS, OnWay, Order, Placement, Stop};
+
+/// A place below the least height above ground is at least this high, metres.
+const LEAST_DROP_AGL_M: f64 = 1.0;
 
 impl Checker {
     /// The stops of a vehicle, as far as each is whole.
@@ -51,20 +54,23 @@ impl Checker {
             agl_m,
             amsl_m,
         };
+        let hovers = !vehicle.airframe.unwrap_or_default().has_wing();
         let end = self.end_point(path, point);
+        let (end, drop_m) = self.over_drop(path, end, map.filter(|_| hovers));
         if let (Some(map), Some(end)) = (map, end) {
             self.clear(path, "stop", end.place, map);
             let altitudes = super::limits_of(vehicle, map);
             self.known_point((path, "stop"), Some(end), altitudes, false);
         }
         self.stop_speed(&format!("{path}.speed_mps"), stop, vehicle);
-        if vehicle.airframe.unwrap_or_default().has_wing() {
+        if !hovers {
             self.stop_on_wing(path, stop);
         }
         let actions = self.actions(path, (&stop.actions, point), vehicle.autopilot);
         Some(Stop {
             id: id?,
             end: end?,
+            drop_m,
             hold_s: stop.hold_s.unwrap_or(0.0),
             acceptance_radius_m: stop.acceptance_radius_m,
             heading_rad: stop.heading_deg.map(f64::to_radians),
@@ -75,6 +81,35 @@ impl Checker {
             arrives: Arrival::Planned,
             trigger_m: None,
         })
+    }
+
+    /// The end of a path over a place, and how far down the place is: below the least height above ground it
+    /// is reached straight down from that.
+    pub(super) fn over_drop(
+        &mut self,
+        path: &str,
+        end: Option<EndPoint>,
+        map: Option<&Map>,
+    ) -> (Option<EndPoint>, f64) {
+        let (Some(end), Some(map)) = (end, map) else {
+            return (end, 0.0);
+        };
+        let Placement::Agl(Agl(agl_m)) = end.altitude else {
+            return (Some(end), 0.0);
+        };
+        if agl_m >= map.area.min_agl.0 {
+            return (Some(end), 0.0);
+        }
+        if agl_m < LEAST_DROP_AGL_M {
+            let allowed = format!("at least {LEAST_DROP_AGL_M} m: it stays in the air there");
+            self.report(&format!("{path}.agl_m"), digits::plain(agl_m), allowed);
+        }
+        let over_m = map.area.min_agl.0 + map.buffers.terrain_m;
+        let over = EndPoint {
+            altitude: Placement::Agl(Agl(over_m)),
+            ..end
+        };
+        (Some(over), over_m - agl_m)
     }
 
     /// What is done at start and goal, and along the way.

@@ -162,6 +162,7 @@ impl Checker {
             amsl_m,
         };
         let end = self.end_point(path, point);
+        let (end, drop_m) = self.over_drop(path, end, map);
         if let (Some(map), Some(end)) = (map, end) {
             self.clear(path, "task", end.place, map);
             // Some vehicle may have wider limits than the others; the area has them all.
@@ -172,6 +173,7 @@ impl Checker {
         Some(Stop {
             id,
             end: end?,
+            drop_m,
             hold_s: keys.hold_s.unwrap_or(0.0),
             acceptance_radius_m: None,
             heading_rad: None,

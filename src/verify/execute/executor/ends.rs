@@ -8,7 +8,7 @@ use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
 use crate::verify::execute::item::Height;
-use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::segment::{Chord, Column, Phase};
 use crate::world::Terrain;
 
 /// Places nearer than this are one, metres.
@@ -172,7 +172,7 @@ impl Pilot<'_> {
             return self.touch_down(row);
         };
         let descent_mps = self.vehicle.descent_mps;
-        self.lift(row, stays_m, descent_mps, true);
+        self.lift(row, stays_m, descent_mps, Some(Column::Ground));
         self.finish(row, mission)
     }
 
@@ -282,7 +282,7 @@ impl Pilot<'_> {
         self.flight.repetition = Some(self.trajectory.chords.len());
         let around = (middle, middle);
         self.trajectory
-            .straight((row, self.phase), around, f64::INFINITY, false);
+            .straight((row, self.phase), around, f64::INFINITY, None);
         if let Some(stay) = self.trajectory.chords.last_mut() {
             stay.error_m = reach_m;
         }
@@ -305,9 +305,14 @@ impl Pilot<'_> {
         let descent_mps = self.vehicle.descent_mps;
         let slow_m = ground_m + SLOW_LANDING_M;
         if self.last().amsl_m > slow_m {
-            self.lift(row, slow_m, descent_mps, true);
+            self.lift(row, slow_m, descent_mps, Some(Column::Ground));
         }
-        self.lift(row, ground_m, descent_mps.min(slow_mps), true);
+        self.lift(
+            row,
+            ground_m,
+            descent_mps.min(slow_mps),
+            Some(Column::Ground),
+        );
         self.ended = true;
         self.flight.end = Some(End::Landed(at));
         Ok(())

@@ -7,14 +7,31 @@ use crate::path::{
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::{Legs, Rest, Slope};
 use crate::verify::execute::legs::{self, Knot};
+use crate::verify::measure::segment::Column;
 use crate::world::Departure;
 
 use super::Pilot;
+
+/// A vehicle may come so far below a place of the spec, metres: the rest of a rounded altitude.
+const BELOW_DROP_M: f64 = 0.5;
 
 impl Pilot<'_> {
     /// Climbs or descends to an altitude.
     pub(crate) fn climb(&mut self, row: usize, to_m: f64) {
         let rise_m = to_m - self.last().amsl_m;
+        let rate_mps = if rise_m > 0.0 {
+            self.vehicle.climb_mps
+        } else {
+            self.vehicle.descent_mps
+        };
+        let low_m = to_m.min(to_m - rise_m);
+        let rests = self.flight.rests.last();
+        let is_at_rest = rests
+            .is_some_and(|rest| rest.until_s >= self.trajectory.t_s && rest.point == self.here());
+        if is_at_rest && self.is_at_drop(low_m) {
+            self.lift(row, to_m, rate_mps, Some(Column::Drop));
+            return;
+        }
         self.flight.slopes.push(Slope {
             chord: self.trajectory.chords.len(),
             phase: self.phase,
@@ -23,16 +40,20 @@ impl Pilot<'_> {
             speed_mps: 0.0,
             top_m: to_m.max(to_m - rise_m),
         });
-        let rate_mps = if rise_m > 0.0 {
-            self.vehicle.climb_mps
-        } else {
-            self.vehicle.descent_mps
-        };
-        self.lift(row, to_m, rate_mps, false);
+        self.lift(row, to_m, rate_mps, None);
+    }
+
+    /// Whether an altitude here is one that a place of the spec below the least height above ground asks for.
+    fn is_at_drop(&self, amsl_m: f64) -> bool {
+        let at = self.last().at;
+        self.drops.iter().any(|drop| {
+            let is_over = drop.top.at.distance_m(at) <= self.tolerance_m;
+            is_over && amsl_m < drop.top.amsl.0 && amsl_m >= drop.low.0 - BELOW_DROP_M
+        })
     }
 
     /// A vertical motion at a given rate.
-    pub(crate) fn lift(&mut self, row: usize, to_m: f64, rate_mps: f64, grounded: bool) {
+    pub(crate) fn lift(&mut self, row: usize, to_m: f64, rate_mps: f64, column: Option<Column>) {
         let from = self.here();
         let to = PlanPoint {
             at: from.at,
@@ -40,15 +61,17 @@ impl Pilot<'_> {
         };
         let duration_s = (to_m - from.amsl.0).abs() / rate_mps;
         self.trajectory
-            .straight((row, self.phase), (from, to), duration_s, grounded);
+            .straight((row, self.phase), (from, to), duration_s, column);
         (self.moving_mps, self.tangent) = (0.0, None);
         self.knots = vec![self.knot(row, to.at, to_m, None)];
     }
 
     pub(crate) fn hold(&mut self, row: usize, hold_s: f64) {
         let (here, from_s) = (self.here(), self.trajectory.t_s);
+        let is_low = self.is_at_drop(here.amsl.0);
+        let column = is_low.then_some(Column::Drop);
         self.trajectory
-            .straight((row, self.phase), (here, here), hold_s, false);
+            .straight((row, self.phase), (here, here), hold_s, column);
         self.rest_since(row, from_s);
     }
 

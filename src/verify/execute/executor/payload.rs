@@ -7,6 +7,7 @@ use crate::mission::{VehicleMission, placing_mps};
 use crate::spec::RELEASE_S;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::item;
+use crate::verify::measure::segment::Column;
 use crate::world::Terrain;
 
 impl Pilot<'_> {
@@ -43,20 +44,24 @@ impl Pilot<'_> {
         match placing_mps(mission) {
             Some(own_mps) => {
                 let down_mps = if own_mps > 0.0 { own_mps } else { slow_mps };
-                self.lift(row, bottom_m, down_mps, true);
+                self.lift(row, bottom_m, down_mps, Some(Column::Ground));
                 let below = self.here();
-                self.trajectory
-                    .straight((row, self.phase), (below, below), RELEASE_S, true);
+                self.trajectory.straight(
+                    (row, self.phase),
+                    (below, below),
+                    RELEASE_S,
+                    Some(Column::Ground),
+                );
             }
             // Its parameter or the speed of a landing: down with the one, as late as with the other.
             None => {
                 let down_mps = self.vehicle.descent_mps;
                 let slower_s = (top_m - bottom_m) * (1.0 / slow_mps - 1.0 / down_mps);
                 self.trajectory.late_s += slower_s + RELEASE_S;
-                self.lift(row, bottom_m, down_mps, true);
+                self.lift(row, bottom_m, down_mps, Some(Column::Ground));
             }
         }
-        self.lift(row, top_m, self.vehicle.climb_mps, true);
+        self.lift(row, top_m, self.vehicle.climb_mps, Some(Column::Ground));
         // What it does below a place belongs to its rest there.
         self.rest_since(row, began_s);
         self.mark();

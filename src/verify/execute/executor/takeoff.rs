@@ -5,7 +5,7 @@ use crate::mission::VehicleMission;
 use crate::spec::{Airframe, Autopilot};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::item::Height;
-use crate::verify::measure::segment::Phase;
+use crate::verify::measure::segment::{Column, Phase};
 
 use super::{Pilot, is_launched};
 
@@ -81,7 +81,7 @@ impl Pilot<'_> {
         }
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
-        self.lift(row, amsl_m, self.vehicle.climb_mps, true);
+        self.lift(row, amsl_m, self.vehicle.climb_mps, Some(Column::Ground));
         self.trajectory.late_s += slow_takeoff_s(mission, self.vehicle.climb_mps);
         let aside = at.map(|at| self.reach(row, at)).transpose()?;
         let aside = aside.filter(|at| at.distance_m(home.at) > self.tolerance_m);

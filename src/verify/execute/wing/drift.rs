@@ -8,7 +8,7 @@ use crate::path::along;
 use super::loiter::steps;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{EarlyTop, Hull};
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::{Chord, Column};
 
 /// Directions in which a QuadPlane may be driven off on its rotors.
 const SIDES: u32 = 12;
@@ -41,7 +41,7 @@ impl Pilot<'_> {
                     ..top
                 };
                 self.trajectory.chords.push(Chord {
-                    grounded: true,
+                    column: Some(Column::Ground),
                     ..Chord::unflown(
                         (row, self.phase),
                         (end_s - climb_s, end_s),
@@ -92,7 +92,7 @@ impl Pilot<'_> {
         }
         // As in the column itself no height is asked for.
         for chord in &mut self.trajectory.chords[disc..] {
-            chord.grounded = true;
+            chord.column = Some(Column::Ground);
         }
     }
 

@@ -72,7 +72,7 @@ impl Pilot<'_> {
         self.note_circle(row, over, (begin_s, needed_s));
         let stay = self.trajectory.chords.len();
         self.trajectory
-            .straight((row, self.phase), (over, over), lasts_s, false);
+            .straight((row, self.phase), (over, over), lasts_s, None);
         self.widen_from(stay, reach_m);
         let hull = Hull {
             middle: over,

@@ -15,7 +15,7 @@ use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark};
 use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed};
 use crate::verify::limits::space::SLOPE_SHARE;
-use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::segment::{Chord, Column, Phase};
 use crate::world::Terrain;
 
 /// A plane finds the ground within this of the altitude that it lands at: it flares by its own
@@ -73,8 +73,12 @@ impl Pilot<'_> {
             at: climb.lift_off,
             amsl: Amsl(ground_m),
         };
-        self.trajectory
-            .straight((row, self.phase), (home, lift_off), climb.run_s, true);
+        self.trajectory.straight(
+            (row, self.phase),
+            (home, lift_off),
+            climb.run_s,
+            Some(Column::Ground),
+        );
         self.airborne = true;
         self.moving_mps = self.vehicle.speed_mps;
         let first = self.knot(row, lift_off.at, ground_m, None);
@@ -270,7 +274,7 @@ impl Pilot<'_> {
         });
         // From now on it is somewhere on the circle.
         self.trajectory
-            .straight((row, self.phase), (over, over), f64::INFINITY, false);
+            .straight((row, self.phase), (over, over), f64::INFINITY, None);
         if let Some(stay) = self.trajectory.chords.last_mut() {
             stay.error_m = rim_m + wide_m;
         }
@@ -410,7 +414,7 @@ impl Pilot<'_> {
             let course_rad = heading_rad(ends.0.at, ends.1.at);
             let step_s = step_m / ground_speed(self.vehicle, &rim, Amsl(rim.amsl_m), course_rad)?;
             self.trajectory
-                .straight((row, self.phase), ends, step_s, false);
+                .straight((row, self.phase), ends, step_s, None);
             if let Some(chord) = self.trajectory.chords.last_mut() {
                 chord.error_m = CHORD_ERROR_M;
                 chord.bow_m = CHORD_ERROR_M;

@@ -216,7 +216,7 @@ impl Contract<'_> {
             StopAction::Winch { length_m, rate_mps } => has(&[1.0, 1.0, length_m, rate_mps]),
             StopAction::Roi(end) => self.is_at(item, end),
             StopAction::PayloadPlace { max_descent_m } => {
-                has(&[max_descent_m.unwrap_or(0.0)]) && self.is_at(item, stop.end)
+                has(&[max_descent_m.unwrap_or(0.0)]) && self.is_at(item, stop.place())
             }
         };
         item.command == action.command() && is_done

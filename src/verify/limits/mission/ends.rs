@@ -5,7 +5,7 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{Airframe, Finish};
 use crate::verify::execute::flight::{End, Mark};
 use crate::verify::limits::fence::Fence;
-use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::segment::{Chord, Column, Phase};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
 use crate::world::Terrain;
@@ -72,7 +72,7 @@ impl Contract<'_> {
         let is_route = |chord: &&Chord| {
             (chord.phase == Phase::Route || !self.vehicle.airframe.has_wing())
                 && chord.flown
-                && !chord.grounded
+                && chord.column != Some(Column::Ground)
                 && chord.agl_m.is_none()
                 && chord.slope_from_m.is_none()
         };

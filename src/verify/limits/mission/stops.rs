@@ -100,7 +100,8 @@ impl Contract<'_> {
             .stops
             .iter()
             .cloned()
-            .zip(stations.stops.iter().copied());
+            .zip(stations.stops.iter().copied())
+            .map(|(stop, end)| (stop.clone(), stop.below(end)));
         let goal = vehicle.goal_stop().map(|stop| (stop, stations.goal));
         let start = start.map(|stop| (stop, stations.start));
         start.into_iter().chain(stops).chain(goal).collect()

@@ -96,7 +96,7 @@ impl<'a> Search<'a> {
                     continue;
                 }
                 let near = |place: usize| -> Vec<usize> {
-                    let point = world.tasks[index][place];
+                    let point = task.stops[place].below(world.tasks[index][place]);
                     let rests = contract.flight.rests.iter().enumerate();
                     let near = rests.filter(|(rest, of)| {
                         !own[at].contains(rest) && of.point.distance_m(point) <= near_m
@@ -190,7 +190,8 @@ impl<'a> Search<'a> {
                     true => place,
                     false => continue,
                 };
-                let away_m = at.distance_m(self.world.tasks[index][place]);
+                let point = task.stops[place].below(self.world.tasks[index][place]);
+                let away_m = at.distance_m(point);
                 match &mut merged {
                     Some((stop, furthest_m)) => {
                         stop.join(&task.stops[place]);
