@@ -30,7 +30,7 @@ pub(crate) enum Keep {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Outline {
     rings: Vec<Vec<LatLon>>,
-    /// Least and greatest latitude and longitude, degrees.
+    /// Least and greatest latitude and longitude, degrees; the longitude counts on across the date line.
     low: LatLon,
     high: LatLon,
 }
@@ -170,8 +170,14 @@ impl Cylinder {
 
 impl Outline {
     pub(crate) fn new(corners: Vec<LatLon>) -> Self {
+        // Beyond 180 degrees where corners are on both sides of the date line.
+        let first = corners.first().copied();
+        let whole = |corner: &LatLon| LatLon {
+            lon_deg: first.map_or(0.0, |first| first.lon_deg + short_way_deg(first, *corner)),
+            ..*corner
+        };
         let of = |pick: fn(f64, f64) -> f64, start: f64| {
-            let corners = corners.iter();
+            let corners = corners.iter().map(whole);
             corners.fold(
                 LatLon {
                     lat_deg: start,
@@ -411,6 +417,23 @@ mod tests {
             Keep::Outside,
         );
         assert!(cut_m < 0.0 && w > 0.0 && w < 1.0, "{cut_m} at {w}");
+    }
+
+    #[test]
+    fn a_bound_holds_for_a_polygon_with_corners_on_both_sides_of_the_date_line() {
+        let at = |lat_deg: f64, lon_deg: f64| place(lat_deg, lon_deg);
+        let west_deg = 179.998_483;
+        let corners = vec![at(0.0, west_deg), at(0.0, -179.951_986), at(0.01, west_deg)];
+        let outline = Outline::new(corners);
+        let (from, to) = (at(0.226_357, west_deg), at(0.0, -179.802_833));
+        let stretch = Stretch {
+            u: (0.0, 1.0),
+            from,
+            to,
+        };
+        let (margin_m, _) = outline.margin_m(&stretch, Keep::Outside);
+        let bound_m = outline.bound_m(&StretchBox::around(&stretch));
+        assert!(bound_m <= margin_m, "{bound_m} of {margin_m}");
     }
 
     proptest! {
