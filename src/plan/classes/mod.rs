@@ -125,8 +125,9 @@ fn moves(grid: &Grid) -> Vec<Move> {
     all
 }
 
-/// Dijkstra's algorithm from a node. Costs are not negative, so their bits sort as they do.
-fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
+/// Dijkstra's algorithm from a node, as far as classes on the way to another one are worth a look: no
+/// path costs less than its way to any of its nodes. Costs are not negative, so their bits sort as they do.
+fn tree(field: &Field, (root, end): (usize, usize), obstacles: &Obstacles) -> Tree {
     let grid = &field.grid;
     let moves = moves(grid);
     let mut tree = Tree {
@@ -138,6 +139,9 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
     let mut queue = BinaryHeap::from([Reverse((0_u64, root))]);
     let mut settled = vec![false; grid.len()];
     while let Some(Reverse((_, node))) = queue.pop() {
+        if settled[end] && tree.cost[node] > DETOUR * tree.cost[end] {
+            break;
+        }
         if std::mem::replace(&mut settled[node], true) {
             continue;
         }
@@ -166,6 +170,9 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
             }
         }
     }
+    for (cost, _) in tree.cost.iter_mut().zip(settled).filter(|of| !of.1) {
+        *cost = f64::INFINITY;
+    }
     tree
 }
 
@@ -177,8 +184,11 @@ pub(super) fn classes_of_field(
     goal: EastNorth,
 ) -> Vec<HomotopyClass> {
     let grid = &field.grid;
-    let from = |end| tree(field, grid.nearest(end), obstacles);
-    let (from_start, from_goal) = rayon::join(|| from(start), || from(goal));
+    let ends = (grid.nearest(start), grid.nearest(goal));
+    let (from_start, from_goal) = rayon::join(
+        || tree(field, ends, obstacles),
+        || tree(field, (ends.1, ends.0), obstacles),
+    );
     let mut cheapest: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
     for node in 0..grid.len() {
         let cost = from_start.cost[node] + from_goal.cost[node];
