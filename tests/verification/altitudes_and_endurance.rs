@@ -151,7 +151,15 @@ fn endurance_counts_from_takeoff_to_touchdown() {
         time.note.contains("1000 s less a reserve of 20 %"),
         "{time:?}"
     );
-    assert!(!with_endurance(Capacity::Time(time.value / 0.81), 0.2).ok);
+    // Late it is over; straight and in time it would not be.
+    let over = with_endurance(Capacity::Time(time.value / 0.801), 0.2);
+    assert!(!over.ok && !over.note.contains("even straight"), "{over:?}");
+    let never = with_endurance(Capacity::Time(600.0), 0.2);
+    let straight_s = format!(
+        "even straight from place to place it uses {:.0} s",
+        up_s + run_s + 70.0 / 3.0 + 10.0 / 0.5
+    );
+    assert!(never.note.contains(&straight_s), "{never:?} {straight_s}");
     let range = with_endurance(Capacity::Range(9142.0), 0.0);
     assert!(
         (range.value - (run_m + 160.0)).abs() < 3.0,

@@ -1,6 +1,8 @@
 //! What a flight uses from takeoff to touchdown, against what the vehicle has.
 
+use crate::geodesy::PlanPoint;
 use crate::numeric::digits;
+use crate::path::{flight, route_ends};
 use crate::spec::Endurance;
 use crate::verify::execute::flight::End;
 use crate::verify::limits::mission::Contract;
@@ -38,6 +40,12 @@ impl Contract<'_> {
         if stays {
             note.push_str("; until it stays for ever");
         }
+        let straight = self.used_straight(endurance);
+        if used + late > usable && straight > usable {
+            note.push_str(&format!(
+                "; even straight from place to place it uses {straight:.0} {unit}: no path is short enough"
+            ));
+        }
         let at = last.moment(&self.world.frame, 1.0);
         Some(Margin {
             note,
@@ -59,19 +67,44 @@ impl Contract<'_> {
         aloft
     }
 
+    /// What a flight straight from start over its stops to its end would use, if nothing were in the way.
+    fn used_straight(&self, endurance: &Endurance) -> f64 {
+        let ends = route_ends(self.vehicle, self.stations);
+        let routes: Vec<Vec<PlanPoint>> = ends.iter().map(|ends| vec![ends.0, ends.1]).collect();
+        let points = flight(self.vehicle, self.stations, &routes).points;
+        let moves = points
+            .windows(2)
+            .skip_while(|pair| pair[0].point == pair[1].point);
+        let finite = moves.filter(|pair| pair[1].t_s.is_finite());
+        finite
+            .map(|pair| {
+                let duration_s = pair[1].t_s - pair[0].t_s;
+                self.used_between(endurance, (pair[0].point, pair[1].point), duration_s)
+            })
+            .sum()
+    }
+
     /// What a chord uses.
     fn used(&self, endurance: &Endurance, chord: &Chord) -> f64 {
-        let duration_s = chord.to_s - chord.from_s;
+        self.used_between(endurance, (chord.from, chord.to), chord.to_s - chord.from_s)
+    }
+
+    fn used_between(
+        &self,
+        endurance: &Endurance,
+        (from, to): (PlanPoint, PlanPoint),
+        duration_s: f64,
+    ) -> f64 {
         if duration_s <= 0.0 {
             return 0.0;
         }
-        let run_m = chord.from.at.distance_m(chord.to.at);
-        let rise_m = chord.to.amsl.0 - chord.from.amsl.0;
+        let run_m = from.at.distance_m(to.at);
+        let rise_m = to.amsl.0 - from.amsl.0;
         let wind = self.spec.wind;
         let [east_mps, north_mps] = wind.map_or([0.0; 2], |wind| wind.velocity_mps());
         let over_ground = |a: f64, b: f64| (b - a) / duration_s;
-        let air_mps = (over_ground(chord.from.at.east_m, chord.to.at.east_m) - east_mps)
-            .hypot(over_ground(chord.from.at.north_m, chord.to.at.north_m) - north_mps);
+        let air_mps = (over_ground(from.at.east_m, to.at.east_m) - east_mps)
+            .hypot(over_ground(from.at.north_m, to.at.north_m) - north_mps);
         // What stands still in the air circles there, if it is no column.
         let circles = run_m < STILL_M && rise_m.abs() < STILL_M;
         let air_mps = match circles {
