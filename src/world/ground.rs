@@ -137,6 +137,24 @@ impl Ground {
         }
     }
 
+    /// The least and the greatest height in a box, metres; infinite where there is a void in it.
+    pub(super) fn range_m(&self, south_west: EastNorth, north_east: EastNorth) -> (f64, f64) {
+        let cells = |from: f64, count: usize| cell(from / self.spacing_m, count).0;
+        let columns = |at: EastNorth| cells(at.east_m - self.south_west.east_m, self.columns);
+        let rows = |at: EastNorth| cells(at.north_m - self.south_west.north_m, self.rows);
+        let mut range_m = (f64::INFINITY, f64::NEG_INFINITY);
+        for row in rows(south_west)..=rows(north_east) + 1 {
+            for column in columns(south_west)..=columns(north_east) + 1 {
+                let height_m = f64::from(self.heights_m[row * self.columns + column]);
+                if height_m.is_nan() {
+                    return (f64::NEG_INFINITY, f64::INFINITY);
+                }
+                range_m = (range_m.0.min(height_m), range_m.1.max(height_m));
+            }
+        }
+        range_m
+    }
+
     /// Bilinear height above mean sea level, metres; places outside take the
     /// edge; NaN in a cell with a void.
     #[must_use]

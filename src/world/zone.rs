@@ -2,7 +2,7 @@
 
 use geo::{BoundingRect, Contains, Intersects, Point, Polygon, Rect};
 
-use super::{Terrain, covers};
+use super::{Ground, Terrain, covers};
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
 use crate::numeric::geometry::{Offset, Ring};
 use crate::spec::{Placement, Zone};
@@ -179,6 +179,19 @@ impl PlanZone {
             // A mitred corner reaches up to twice the margin.
             Offset::new(ring.outset(wider_m(0.5 * room_m)), 0.0)
         }
+    }
+
+    /// The least and the greatest height of the ground in the box around it, metres.
+    #[must_use]
+    pub(crate) fn ground_range_m(&self, ground: &Ground) -> (f64, f64) {
+        self.bounds
+            .map_or((f64::NEG_INFINITY, f64::INFINITY), |bounds| {
+                let at = |corner: geo::Coord<f64>| EastNorth {
+                    east_m: corner.x,
+                    north_m: corner.y,
+                };
+                ground.range_m(at(bounds.min()), at(bounds.max()))
+            })
     }
 
     /// Whether the box around the outline spans a northing, metres.

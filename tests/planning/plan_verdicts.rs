@@ -5,7 +5,7 @@ use crate::support;
 use std::process::Output;
 
 use sortie::dispatch::{Dispatched, dispatch};
-use sortie::geodesy::Amsl;
+use sortie::geodesy::{Agl, Amsl};
 use sortie::plan::{BlockingElement, BlockingSets, Change, violations};
 use sortie::spec::*;
 use sortie::world::{Terrain, TerrainGrid, World};
@@ -229,6 +229,56 @@ fn a_wall_from_edge_to_edge_is_named_with_the_edge_however_thin() {
         assert_eq!(broken.len(), 1, "{broken:?}");
         assert_eq!(broken[0].what, "zone wall");
         assert_eq!(vehicle.relaxations, None);
+    }
+}
+
+#[test]
+fn a_wall_with_heights_closes_the_way_where_it_leaves_no_room_over_or_under_it() {
+    // The ground is at 400 m, the least height 60 m, the greatest 120 m.
+    let agl = |agl_m: f64| Some(Placement::Agl(Agl(agl_m)));
+    let amsl = |amsl_m: f64| Some(Placement::Amsl(Amsl(amsl_m)));
+    for (floor, ceiling, closes) in [
+        (None, agl(120.5), true),
+        (None, agl(119.5), false),
+        (None, amsl(520.5), true),
+        (None, amsl(519.5), false),
+        (agl(59.5), agl(125.0), true),
+        (agl(60.5), agl(125.0), false),
+        (amsl(459.5), None, true),
+        (amsl(460.5), None, false),
+    ] {
+        let mut spec = across();
+        spec.vehicles[0].altitudes.max_agl = Some(Agl(120.0));
+        let wall = wall("wall", -84.25, (36.24, 36.36), 100.0);
+        spec.no_fly = vec![Zone {
+            floor,
+            ceiling,
+            ..wall
+        }];
+        assert_eq!(
+            is_blocked(&world(&spec), 0),
+            closes,
+            "{floor:?} {ceiling:?}"
+        );
+        // Without a greatest height there is room over it, if it has a ceiling.
+        spec.vehicles[0].altitudes.max_agl = None;
+        let closes = closes && ceiling.is_none();
+        assert_eq!(
+            is_blocked(&world(&spec), 0),
+            closes,
+            "{floor:?} {ceiling:?}"
+        );
+        // In hills that no grid shows nothing is known of heights above the sea.
+        spec.terrain = TerrainSource::Analytic {
+            base: Amsl(400.0),
+            hills: vec![Hill {
+                place: WEST,
+                height_m: 1.0,
+                radius_m: 0.1,
+            }],
+        };
+        let is_known = !matches!(floor, Some(Placement::Amsl(_)));
+        assert_eq!(is_blocked(&world(&spec), 0), closes && is_known);
     }
 }
 

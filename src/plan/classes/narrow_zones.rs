@@ -3,6 +3,7 @@
 use geo::Area;
 
 use super::grid::Grid;
+use crate::geodesy::EastNorth;
 use crate::numeric::geometry::{Point, Ring, closest_points, distance};
 use crate::world::{PlanZone, World};
 
@@ -89,10 +90,13 @@ fn nodes_near(grid: &Grid, ring: &Ring) -> impl Iterator<Item = usize> + use<> {
     rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
 }
 
-/// The least distance between two closed zones, or such a zone and a threat, that is wider than
-/// `least_m`; metres.
-pub(crate) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
-    let rings: Vec<Ring> = closed(world).map(closed_ring).collect();
+/// The least distance between two closed zones that touch a box, or such a zone and a threat, that is wider
+/// than `least_m`; metres.
+pub(crate) fn narrowest_gap_m(world: &World, within: (EastNorth, EastNorth), least_m: f64) -> f64 {
+    let rings: Vec<Ring> = closed(world)
+        .map(closed_ring)
+        .filter(|ring| touches(ring, within))
+        .collect();
     let mut narrowest_m = f64::INFINITY;
     let found = |gap_m: f64, narrowest_m: &mut f64| {
         if gap_m > least_m {
@@ -131,6 +135,15 @@ fn apart_m(one: &Ring, other: &Ring) -> f64 {
     gap(0).hypot(gap(1))
 }
 
+/// Whether the box around a ring touches a box, given by its corners in the south west and north east.
+fn touches(ring: &Ring, (south_west, north_east): (EastNorth, EastNorth)) -> bool {
+    let (low, high) = ring.bounds();
+    low[0] <= north_east.east_m
+        && high[0] >= south_west.east_m
+        && low[1] <= north_east.north_m
+        && high[1] >= south_west.north_m
+}
+
 /// The zones that nobody may fly over or under, at any time.
 fn closed(world: &World) -> impl Iterator<Item = &PlanZone> {
     world
@@ -139,8 +152,8 @@ fn closed(world: &World) -> impl Iterator<Item = &PlanZone> {
         .filter(|zone| zone.is_closed_throughout())
 }
 
-/// The least breadth of a closed zone, metres; infinite if there are none.
-pub(crate) fn narrowest_zone_m(world: &World) -> f64 {
+/// The least breadth of a closed zone that touches a box, metres; infinite if there are none.
+pub(crate) fn narrowest_zone_m(world: &World, within: (EastNorth, EastNorth)) -> f64 {
     let breadth_m = |zone: &PlanZone| {
         let edges_m = Ring::around(&zone.outline)
             .edges()
@@ -148,7 +161,10 @@ pub(crate) fn narrowest_zone_m(world: &World) -> f64 {
             .sum::<f64>();
         2.0 * (zone.outline.unsigned_area() / edges_m.max(1e-9) + zone.buffer_m)
     };
-    closed(world).map(breadth_m).fold(f64::INFINITY, f64::min)
+    closed(world)
+        .filter(|zone| touches(&closed_ring(zone), within))
+        .map(breadth_m)
+        .fold(f64::INFINITY, f64::min)
 }
 
 fn distance_m(one: &Ring, other: &Ring) -> f64 {

@@ -43,11 +43,11 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
         };
     }
     let nodes = if budget >= FINE { 81 } else { 41 };
-    let narrows = Narrows::of(context);
     let prices = context.prices();
     let (near, whole) = (context.near_box(), context.frame());
     let search = |south_west, north_east| {
-        let (grid, tight_m) = narrows.grid((south_west, north_east), nodes);
+        let corners = (south_west, north_east);
+        let (grid, tight_m) = Narrows::of(context, corners).grid(corners, nodes);
         let relief = Relief::new(
             (context.world, context.layer()),
             grid,
@@ -88,7 +88,7 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
     found
 }
 
-/// The narrowest things of a map, metres.
+/// The narrowest things of a box of the map, metres.
 struct Narrows {
     between_threats_m: f64,
     zone_m: f64,
@@ -96,17 +96,21 @@ struct Narrows {
 }
 
 impl Narrows {
-    fn of(context: &RouteContext<'_>) -> Self {
+    fn of(context: &RouteContext<'_>, within: (EastNorth, EastNorth)) -> Self {
         let world = context.world;
         Self {
             between_threats_m: narrowest_gap_m(world),
-            zone_m: narrow_zones::narrowest_zone_m(world),
+            zone_m: narrow_zones::narrowest_zone_m(world, within),
             // What is narrower lets nobody through.
-            between_zones_m: narrow_zones::narrowest_gap_m(world, 2.0 * context.margins.threat_m),
+            between_zones_m: narrow_zones::narrowest_gap_m(
+                world,
+                within,
+                2.0 * context.margins.threat_m,
+            ),
         }
     }
 
-    /// A grid over a box of the map that shows them, and [`HomotopyClasses::tight_m`].
+    /// A grid over the box that shows them, and [`HomotopyClasses::tight_m`].
     fn grid(&self, corners: (EastNorth, EastNorth), nodes: usize) -> (Grid, Option<f64>) {
         let grid = Grid::over(corners.0, corners.1, nodes);
         let cell_m = grid.spacing_m;

@@ -2,7 +2,7 @@
 
 use geo::Polygon;
 
-use crate::geodesy::EastNorth;
+use crate::geodesy::{Agl, EastNorth};
 use crate::numeric::chains::{Capsule, Chains};
 use crate::numeric::geometry::Point;
 use crate::spec::{MissionSpec, Placement};
@@ -65,17 +65,10 @@ impl BlockingSets {
             let piece = Capsule::disc(point(disc.center), disc.radius_m);
             pieces.push((BlockingElement::Threat(index), piece));
         }
-        // What may be open at some time, or over or under which there may be a way, proves nothing.
-        let reaches_up = |zone: &PlanZone| {
-            let is_high = match zone.ceiling {
-                None => true,
-                Some(Placement::Amsl(top)) => top > world.max_amsl,
-                Some(Placement::Agl(_)) => false,
-            };
-            is_high && zone.is_whole && zone.floor.is_none() && zone.active_s.is_none()
-        };
         for (index, zone) in world.zones.iter().enumerate() {
-            if reaches_up(zone) {
+            // What may be open at some time, or over or under which there may be a way, proves nothing.
+            let is_always_closed = zone.is_whole && zone.active_s.is_none();
+            if is_always_closed && leaves_no_room(world, zone) {
                 let edges = edges(&zone.outline, zone.buffer_m);
                 pieces.extend(edges.map(|edge| (BlockingElement::Zone(index), edge)));
             }
@@ -106,6 +99,31 @@ impl BlockingSets {
         }
         found
     }
+}
+
+/// Whether a zone leaves nobody room over or under it, between the least height above ground and the
+/// ceiling, or the greatest height above ground that any vehicle may have.
+fn leaves_no_room(world: &World, zone: &PlanZone) -> bool {
+    let layers = world.layers.iter().map(|layer| layer.max_agl_m);
+    let most_agl_m = layers.fold(f64::NEG_INFINITY, f64::max);
+    let least_agl_m = world.min_agl.0;
+    // Not known where the grid does not show its source.
+    let shows = world.ground.shows(&world.terrain);
+    let (low_m, high_m) = match shows {
+        true => zone.ground_range_m(&world.ground),
+        false => (f64::NEG_INFINITY, f64::INFINITY),
+    };
+    let is_over = match zone.ceiling {
+        None => true,
+        Some(Placement::Amsl(top)) => top > world.max_amsl || top.0 > high_m + most_agl_m,
+        Some(Placement::Agl(Agl(top_m))) => top_m > most_agl_m || low_m + top_m > world.max_amsl.0,
+    };
+    let is_under = match zone.floor {
+        None => true,
+        Some(Placement::Amsl(bottom)) => bottom.0 < low_m + least_agl_m,
+        Some(Placement::Agl(Agl(bottom_m))) => bottom_m < least_agl_m,
+    };
+    is_over && is_under
 }
 
 fn point(at: EastNorth) -> Point {

@@ -264,7 +264,9 @@ fn penalties(context: &RouteContext<'_>) -> (f64, f64) {
         return (1.0, 1.0);
     }
     // Crossing the narrowest zone, with its margins, must cost more than a long way around.
-    let narrowest_m = narrowest_zone_m(context.world) + 2.0 * context.margins.threat_m;
+    let whole = context.frame();
+    let within = (whole.south_west, whole.north_east);
+    let narrowest_m = narrowest_zone_m(context.world, within) + 2.0 * context.margins.threat_m;
     let around = 2.0 * context.straight_km() / (context.prices().closed * narrowest_m / 1000.0);
     let penalty = (context.options.penalty).map_or(1.0, |penalty| penalty.max(around));
     (penalty * context.options.relaxed_share, penalty)
