@@ -19,3 +19,4 @@ mod launch_time;
 mod replan_stops;
 mod replan_trouble;
 mod replan_wings;
+mod served;

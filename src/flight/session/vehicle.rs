@@ -17,9 +17,10 @@ use super::modes;
 use super::orbit::Orbit;
 use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
+use crate::flight::itinerary::progress::Progress;
+use crate::flight::itinerary::stops::Itinerary;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
-use crate::geodesy::LatLon;
 use crate::link::{
     AUTOPILOT_INVALID, Address, Command, CommandResult, FlightMessage, Health, Heartbeat, Message,
     Order, Position, Reading, Session, Time,
@@ -32,10 +33,6 @@ use texts::TextLimit;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
-/// So near to a stop a copter is at it when it reports an item, metres; a wing, which takes its
-/// waypoints earlier, is at it within the other.
-const STOP_M: f64 = 25.0;
-const WING_STOP_M: f64 = 150.0;
 
 /// What one vehicle shall do.
 #[derive(Clone, Debug)]
@@ -55,8 +52,8 @@ pub struct Assignment<'a> {
     pub start_s: f64,
     /// Whether its mission is transferred first, instead of only read.
     pub upload: bool,
-    /// The stops of its own, by id.
-    pub stops: Vec<(&'a str, LatLon)>,
+    /// Its stops, and what they are for.
+    pub itinerary: Itinerary,
 }
 
 /// Where it is on the way to its flight, and in it.
@@ -166,6 +163,8 @@ pub(crate) struct FlightVehicle<'a> {
     said: VecDeque<String>,
     /// The number of its last picture.
     pictures: Option<u32>,
+    /// What it was seen to do of its itinerary.
+    pub(crate) progress: Progress,
     set_params: bool,
     force: bool,
 }
@@ -197,6 +196,8 @@ impl<'a> FlightVehicle<'a> {
         now: Time,
     ) -> Self {
         let stage = Stage::begin(&of, others, us, now);
+        let mut progress = Progress::new(of.itinerary.clone(), of.mission.airframe);
+        progress.add_mission(of.mission.items.len(), &of.reference);
         Self {
             of,
             us,
@@ -237,6 +238,7 @@ impl<'a> FlightVehicle<'a> {
             outbox: VecDeque::new(),
             said: VecDeque::new(),
             pictures: None,
+            progress,
             set_params,
             force,
         }
@@ -367,6 +369,7 @@ impl<'a> FlightVehicle<'a> {
                         .stop_here()
                         .map_or_else(String::new, |id| format!(" (stop {id})"));
                     self.said.push_back(format!("item {row} reached{at}"));
+                    self.progress.take_reached(row, t_s);
                 }
             }
             FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
@@ -402,16 +405,9 @@ impl<'a> FlightVehicle<'a> {
     }
 
     /// The stop that it is at.
-    fn stop_here(&self) -> Option<&'a str> {
+    fn stop_here(&self) -> Option<&str> {
         let (_, fix) = self.latest?;
-        let away_m = |place: &LatLon| place.chord_m(fix.place);
-        let nearest = self.of.stops.iter();
-        let nearest = nearest.min_by(|a, b| away_m(&a.1).total_cmp(&away_m(&b.1)))?;
-        let within_m = match self.of.mission.airframe.has_wing() {
-            true => WING_STOP_M,
-            false => STOP_M,
-        };
-        (away_m(&nearest.1) < within_m).then_some(nearest.0)
+        self.progress.stop_at(fix.place)
     }
 
     /// The row of a sequence number.
@@ -453,6 +449,7 @@ impl<'a> FlightVehicle<'a> {
             }
             if fix.t_s >= 0.0 {
                 self.flown.fixes.push(fix);
+                self.progress.take(&fix);
             }
         }
     }
@@ -549,6 +546,7 @@ impl<'a> FlightVehicle<'a> {
     }
 
     pub(crate) fn poll_said(&mut self) -> Option<String> {
-        self.said.pop_front()
+        let said = self.said.pop_front();
+        said.or_else(|| self.progress.poll_news())
     }
 }
