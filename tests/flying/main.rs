@@ -4,6 +4,7 @@
 mod support;
 
 mod alarms;
+mod armed_time;
 mod flight;
 mod flight_commands;
 mod flight_hold;

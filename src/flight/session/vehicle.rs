@@ -27,7 +27,7 @@ use crate::link::{
 };
 use crate::mission::{Home, VehicleMission};
 pub(super) use arming::ARMING_MS;
-use arming::{Arming, Disarming};
+use arming::{Arming, Disarming, SeenDisarmed};
 use hold::HoldWatch;
 use texts::TextLimit;
 
@@ -127,6 +127,12 @@ pub(crate) struct FlightVehicle<'a> {
     orders: VecDeque<Command>,
     /// Set from the first order to arm on.
     arming: Option<Arming>,
+    /// When it was last seen disarmed.
+    seen_disarmed: Option<SeenDisarmed>,
+    /// Its own clock, milliseconds, and the fleet's when it said that.
+    own_clock: Option<(u32, f64)>,
+    /// After how long on the ground it disarms itself, seconds, by its own word.
+    disarm_s: Option<f64>,
     /// Why it may be armed on the ground at the end, as a whole sentence.
     pub(crate) still_armed: Option<String>,
     /// Whether that was reported.
@@ -214,6 +220,9 @@ impl<'a> FlightVehicle<'a> {
             pending: None,
             orders: VecDeque::new(),
             arming: None,
+            seen_disarmed: None,
+            own_clock: None,
+            disarm_s: None,
             still_armed: None,
             is_warned: false,
             requested: Time(0),
@@ -308,7 +317,7 @@ impl<'a> FlightVehicle<'a> {
         match message {
             Message::Heartbeat(beat) => {
                 self.beat_at = now;
-                self.heed_motors(*beat, t0_ms.is_some());
+                self.heed_motors(*beat, flight_ms, t0_ms.is_some());
                 self.heartbeat(*beat);
             }
             Message::HomePosition { x, y, amsl_mm } => {
@@ -384,6 +393,10 @@ impl<'a> FlightVehicle<'a> {
                 }
             }
             FlightMessage::Param { name, value } => {
+                if self.disarm_parameter() == Some(name.as_str()) {
+                    let bytewise = self.autopilot().conventions().bytewise_parameters;
+                    self.disarm_s = Some(f64::from(value.value(bytewise)));
+                }
                 if let Some(settings) = &mut self.settings {
                     settings.heard(now, name, *value);
                 }
@@ -419,6 +432,7 @@ impl<'a> FlightVehicle<'a> {
         if !position.is_known() {
             return self.note_invalid(position);
         }
+        self.own_clock = Some((position.boot_ms, flight_ms));
         let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
         let fix = Fix {
             t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
