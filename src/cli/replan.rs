@@ -8,7 +8,7 @@ use super::print::console::{Paint, note, out, out_lines};
 use super::print::failure::Failure;
 use super::print::table::{self, Rows};
 use crate::flight::replan::{self, Decision, Outcomes, Replanner};
-use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
+use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, count_words, unix_ms};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
 use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
@@ -176,7 +176,7 @@ fn touches(area: &Area, place: LatLon, radius_m: f64) -> bool {
 }
 
 fn print(spec: &MissionSpec, decision: &Decision, outcomes: &Outcomes) -> Result<(), Failure> {
-    let mut rows = Rows::new(&["vehicle", "on its way", "items", ""]);
+    let mut rows = Rows::new(&["vehicle", "on its way", "items", "left", ""]);
     for state in &decision.states {
         let index = state.vehicle;
         let mut missions = decision.missions.iter();
@@ -199,6 +199,7 @@ fn print(spec: &MissionSpec, decision: &Decision, outcomes: &Outcomes) -> Result
             spec.vehicles[index].id.clone(),
             what,
             mission.map_or_else(|| "-".to_owned(), |of| of.mission.items.len().to_string()),
+            count_words(&state.left),
             result,
         ]);
     }

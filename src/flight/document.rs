@@ -3,6 +3,8 @@
 use serde::Serialize;
 
 use super::conformance::report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
+use super::itinerary::state::{Served, ServiceState};
+use super::itinerary::stops::ServiceKind;
 use super::record::{RaisedAlarm, Record};
 use crate::report::{MarginEntry, review_json};
 use crate::spec::AlarmKind;
@@ -21,12 +23,27 @@ pub struct FlightDocument {
     pub t0_unix_s: u64,
     /// How much faster than the wall's clock the vehicles' time went.
     pub speedup: f64,
+    /// Stops of vehicles, if they have any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stops: Option<DoneCount>,
+    /// Tasks as each vehicle has its part in them, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tasks: Option<DoneCount>,
     /// In the order of the spec.
     pub vehicles: Vec<FlownVehicle>,
     /// The limits, as in `review.json`.
     pub margins: Vec<MarginEntry>,
     /// Alarms in flight, in order of time.
     pub alarms: Vec<AlarmEntry>,
+}
+
+/// How many stops or tasks were seen done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct DoneCount {
+    /// Those that were seen done.
+    pub done: usize,
+    /// All of them.
+    pub of: usize,
 }
 
 /// An alarm of `flight.json`.
@@ -66,6 +83,9 @@ pub struct FlownVehicle {
     /// Each stop of its own, if it has any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stops: Vec<StopEntry>,
+    /// Each task that it does, if it does any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tasks: Vec<TaskEntry>,
 }
 
 /// A stop of the spec, and when the vehicle was nearest to it.
@@ -77,6 +97,32 @@ pub struct StopEntry {
     pub flown_s: f64,
     /// How near it came, metres.
     pub distance_m: f64,
+    /// What was seen of it; absent where the record does not have the stops of the plan.
+    #[serde(flatten)]
+    pub seen: Option<SeenEntry>,
+}
+
+/// A task of the spec, and what was seen of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TaskEntry {
+    /// Name in the spec.
+    pub id: String,
+    /// `visit`, `delivery`, `area`, `corridor` or `search`.
+    pub kind: ServiceKind,
+    /// What was seen of it.
+    #[serde(flatten)]
+    pub seen: SeenEntry,
+}
+
+/// What was seen of a stop or a task.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SeenEntry {
+    /// `done`, `left` or `missed`: it went on without being seen to do it.
+    pub state: &'static str,
+    /// When it came to rest there, or passed it, seconds after T0; null where it was not seen to.
+    pub from_s: Option<f64>,
+    /// When it was done, seconds after T0; null where it was not seen done.
+    pub until_s: Option<f64>,
 }
 
 /// Median, 95 % and worst.
@@ -119,6 +165,8 @@ pub fn flight_json(record: &Record, report: &FlightReport) -> FlightDocument {
         verdict: if report.passes() { "pass" } else { "fail" },
         t0_unix_s: record.t0_unix_s,
         speedup: record.speedup,
+        stops: done_count(report, true),
+        tasks: done_count(report, false),
         vehicles: report.vehicles.iter().map(vehicle).collect(),
         margins: review_json(&margins).margins,
         alarms: record.alarms.iter().map(alarm).collect(),
@@ -146,15 +194,49 @@ fn vehicle(report: &VehicleReport) -> FlownVehicle {
         altitude_error_m: report.altitude_error_m.map(spread),
         time_error_s: Spread::of(late.collect()).map(spread),
         waypoints: report.passages.iter().map(passage).collect(),
-        stops: report.stops.iter().map(stop).collect(),
+        stops: report
+            .stops
+            .iter()
+            .map(|of| stop(of, &report.served))
+            .collect(),
+        tasks: tasks(&report.served),
     }
 }
 
-fn stop(of: &MadeStop) -> StopEntry {
+fn done_count(report: &FlightReport, are_stops: bool) -> Option<DoneCount> {
+    let served = report.vehicles.iter().flat_map(|of| &of.served);
+    let own = served.filter(|of| (of.kind == ServiceKind::Stop) == are_stops);
+    let of = own.clone().count();
+    let done = own.filter(|of| of.state == ServiceState::Done).count();
+    (of > 0).then_some(DoneCount { done, of })
+}
+
+fn tasks(served: &[Served]) -> Vec<TaskEntry> {
+    let tasks = served.iter().filter(|of| of.kind != ServiceKind::Stop);
+    let task = |of: &Served| TaskEntry {
+        id: of.id.clone(),
+        kind: of.kind,
+        seen: seen(of),
+    };
+    tasks.map(task).collect()
+}
+
+fn seen(of: &Served) -> SeenEntry {
+    SeenEntry {
+        state: of.state.word(),
+        from_s: of.from_s.map(rounded),
+        until_s: of.until_s.map(rounded),
+    }
+}
+
+fn stop(of: &MadeStop, served: &[Served]) -> StopEntry {
+    let mut stops = served.iter().filter(|of| of.kind == ServiceKind::Stop);
+    let found = stops.find(|served| served.id == of.id);
     StopEntry {
         id: of.id.clone(),
         flown_s: rounded(of.flown_s),
         distance_m: rounded(of.distance_m),
+        seen: found.map(seen),
     }
 }
 

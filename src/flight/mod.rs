@@ -10,6 +10,7 @@ mod conformance;
 mod document;
 mod error;
 mod event;
+mod itinerary;
 mod launch;
 mod page;
 mod record;
@@ -23,6 +24,9 @@ pub use conformance::report::{FlightReport, MadeStop, Passage, Spread, VehicleRe
 pub use document::{FlightDocument, flight_json};
 pub use error::FlightError;
 pub use event::{AlarmMark, Event};
+pub use itinerary::plan_file::itineraries;
+pub use itinerary::state::{Served, ServiceState, done_words};
+pub use itinerary::stops::{Itinerary, ItineraryStop, Service, ServiceKind, count_words};
 pub use launch::plan::{FlightPlan, refuse_shared_sysids};
 pub(crate) use launch::readiness::STANDS_M;
 pub use page::flight_page;

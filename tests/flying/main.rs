@@ -4,6 +4,7 @@
 mod support;
 
 mod alarms;
+mod armed_time;
 mod flight;
 mod flight_commands;
 mod flight_hold;
@@ -19,3 +20,4 @@ mod launch_time;
 mod replan_stops;
 mod replan_trouble;
 mod replan_wings;
+mod served;

@@ -1,6 +1,6 @@
 //! Copters in flight keep their stops and actions on new paths around a threat that came up.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::support::{command, in_flight};
 use command::{sortie, text};
@@ -67,6 +67,10 @@ fn led_around(name: &str, spec: &str, at_s: f64) -> (tempfile::TempDir, PathBuf)
     let flown = json(&runs.join("flight.json"));
     assert_eq!(flown["verdict"], "pass", "{flown:#}");
     assert!(status.success(), "{status}");
+    // What `replan` left to do, `fly` saw done.
+    for kind in ["stops", "tasks"] {
+        assert_eq!(flown[kind]["done"], flown[kind]["of"], "{flown:#}");
+    }
     (folder, runs)
 }
 
@@ -74,6 +78,14 @@ fn led_around(name: &str, spec: &str, at_s: f64) -> (tempfile::TempDir, PathBuf)
 fn copters_make_the_stops_that_are_left_on_their_new_paths() {
     // One stop is made, three are left.
     let (_folder, runs) = led_around("visits", &spec(), 62.0);
+    let replanned = json(&runs.join("replan.json"));
+    for vehicle in replanned["vehicles"].as_array().expect("vehicles") {
+        let left = vehicle["left"].as_array().expect("what is left");
+        let ids: Vec<&str> = left.iter().filter_map(|of| of["id"].as_str()).collect();
+        assert_eq!(ids, ["s2", "s3", "s4"], "{vehicle:#}");
+    }
+    let flown = json(&runs.join("flight.json"));
+    assert_eq!(flown["stops"]["of"], 8, "{flown:#}");
     let lines = lines(&runs);
     for (vehicle, lat) in [("alpha", 36.29), ("bravo", 36.30)] {
         let of = |line: &&Value| line["vehicle"] == vehicle && line["plan"].is_object();
@@ -117,4 +129,70 @@ fn a_task_that_places_a_load_is_flown_with_the_parameters_of_its_plan() {
     let mut flight = take_off(folder.path(), "tasks.yaml", "30");
     assert!(flight.0.wait().expect("it ends").success());
     assert_eq!(json(&runs.join("flight.json"))["verdict"], "pass");
+}
+
+/// When the plan has a vehicle at its first stop, seconds after T0.
+fn stop_s(runs: &Path, vehicle: &str) -> f64 {
+    let plan = json(&runs.with_extension("").join("plan.json"));
+    let mut vehicles = plan["vehicles"].as_array().expect("vehicles").iter();
+    let found = vehicles.find(|of| of["id"] == vehicle).expect("a vehicle");
+    found["stops"][0]["t_s"].as_f64().expect("a time")
+}
+
+/// Waits until the record has an event with this text.
+fn wait_until_said(runs: &Path, text: &str) {
+    for _ in 0..1200 {
+        let says = |line: &Value| line["event"].as_str().is_some_and(|of| of.contains(text));
+        if lines(runs).iter().any(says) {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    panic!("nothing said {text:?} within a minute");
+}
+
+const THREAT: &str = "--threat=36.2950,-84.26835,564";
+
+#[test]
+fn a_copter_that_places_its_load_has_its_new_path_when_it_goes_on() {
+    let action = "{payload_place: {max_descent_m: 80}}";
+    // The other one is slower, and still on its way then.
+    let (alpha, bravo) = TASKS.split_once("{id: bravo").expect("two copters");
+    let bravo = bravo.replacen("speed_mps: 9", "speed_mps: 6", 1);
+    let spec = format!("{alpha}{{id: bravo{bravo}").replace("ACTION", action);
+    let (folder, runs) = planned("tasks", &spec);
+    let mut flight = take_off(folder.path(), "tasks.yaml", "10");
+    // It comes down for two minutes.
+    wait_for(&runs, "alpha", stop_s(&runs, "alpha") + 40.0);
+    let output = sortie(folder.path(), &["replan", "tasks.yaml", THREAT]);
+    let said = text(&output.stdout) + &text(&output.stderr);
+    assert!(
+        said.contains("alpha cannot avoid popup-1 (it is placing its load"),
+        "{said}"
+    );
+    wait_until_said(&runs, "task one (visit) done");
+    let output = sortie(folder.path(), &["replan", "tasks.yaml", THREAT]);
+    let said = text(&output.stdout) + &text(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(flight.0.wait().expect("it ends").success());
+    let flown = json(&runs.join("flight.json"));
+    assert_eq!(flown["verdict"], "pass", "{flown:#}");
+    assert_eq!(flown["tasks"]["done"], 2, "{flown:#}");
+}
+
+#[test]
+fn a_copter_that_is_about_to_place_its_load_places_it_and_takes_its_new_path() {
+    let action = "{payload_place: {max_descent_m: 80}}";
+    for before_s in [12.0, 6.0, 2.0] {
+        let (folder, runs) = planned("tasks", &TASKS.replace("ACTION", action));
+        let mut flight = take_off(folder.path(), "tasks.yaml", "8");
+        wait_for(&runs, "alpha", stop_s(&runs, "alpha") - before_s);
+        let output = sortie(folder.path(), &["replan", "tasks.yaml", THREAT]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert!(output.status.success(), "{before_s}: {said}");
+        assert!(flight.0.wait().expect("it ends").success(), "{before_s}");
+        let flown = json(&runs.join("flight.json"));
+        assert_eq!(flown["verdict"], "pass", "{before_s}: {flown:#}");
+        assert_eq!(flown["tasks"]["done"], 2, "{before_s}: {flown:#}");
+    }
 }

@@ -8,6 +8,7 @@ use sortie::dispatch::{Dispatched, dispatch};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::mission::VehicleMission;
+use sortie::report::plan_json;
 use sortie::simulator::{Surroundings, Vehicle};
 use sortie::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle as Spec, Wind};
 use sortie::world::World;
@@ -145,6 +146,26 @@ impl Planned {
         upload: bool,
         launch: Option<Launch>,
     ) -> Fleet<'_> {
+        let options = Options {
+            launch,
+            ..self.options(set_params)
+        };
+        self.fleet_with(options, upload)
+    }
+
+    pub fn options(&self, set_params: bool) -> Options {
+        Options {
+            speedup: 1.0,
+            set_params,
+            force: false,
+            on_alarm: self.spec.answers(),
+            position_s: 0.2,
+            launch: None,
+        }
+    }
+
+    pub fn fleet_with(&self, options: Options, upload: bool) -> Fleet<'_> {
+        let itineraries = self.itineraries();
         let missions = self.dispatched.missions.iter().zip(self.references());
         let assignments = missions
             .enumerate()
@@ -156,18 +177,21 @@ impl Planned {
                 reference,
                 start_s: 0.0,
                 upload,
-                stops: self.spec.vehicles[*index].stop_sites(),
+                itinerary: itineraries[*index].clone(),
             })
             .collect();
-        let options = Options {
-            speedup: 1.0,
-            set_params,
-            force: false,
-            on_alarm: self.spec.answers(),
-            position_s: 0.2,
-            launch,
-        };
         Fleet::new(assignments, options, US, Time(0)).watched(&self.spec, &self.world)
+    }
+
+    /// What each vehicle does on its way, by its plan.
+    pub fn itineraries(&self) -> Vec<Itinerary> {
+        let (spec, world) = self.dispatched.flown(&self.spec, &self.world);
+        let mut document = plan_json("", spec, world, &self.dispatched.plan, true);
+        if let Some(tasks) = &self.dispatched.tasks {
+            document.add_tasks(tasks);
+        }
+        let text = serde_json::to_vec(&document).expect("JSON");
+        itineraries(&text, &self.spec).expect("a plan of the spec")
     }
 
     pub fn judge(&self, sky: &Sky<'_>) -> FlightReport {
@@ -180,15 +204,14 @@ impl Planned {
             items: mission.items.len(),
             reference,
         });
-        let flights = sky
-            .fleet
-            .flown()
-            .zip(plans)
-            .map(|((id, flown), plan)| Flight {
+        let flights = sky.fleet.flown().zip(plans).zip(self.itineraries()).map(
+            |(((id, flown), plan), itinerary)| Flight {
                 vehicle: id.to_owned(),
                 plans: vec![plan],
                 flown: flown.clone(),
-            });
+                itinerary,
+            },
+        );
         Record {
             flights: flights.collect(),
             ..Record::default()
@@ -211,6 +234,8 @@ pub struct Sky<'a> {
     pub fleet: Fleet<'a>,
     pub vehicles: Vec<Vehicle>,
     pub now: Time,
+    /// How much faster than this clock the time of the vehicles goes.
+    pub speedup: u64,
     /// System ids that cannot be heard and do not hear.
     pub cut: Vec<u8>,
     pub events: Vec<Event>,
@@ -227,6 +252,7 @@ impl<'a> Sky<'a> {
             fleet,
             vehicles,
             now: Time(0),
+            speedup: 1,
             cut: Vec::new(),
             events: Vec::new(),
             capture: Vec::new(),
@@ -244,6 +270,7 @@ impl<'a> Sky<'a> {
 
     pub fn step(&mut self) {
         self.now = self.now + 20;
+        let own = Time(self.now.0 * self.speedup);
         self.fleet.handle_timeout(self.now);
         while let Some((system, message)) = self.fleet.poll_transmit() {
             let answers = self
@@ -258,12 +285,12 @@ impl<'a> Sky<'a> {
             }
             for vehicle in &mut self.vehicles {
                 if vehicle.address().system == system && !self.cut.contains(&system) {
-                    vehicle.handle(self.now, US, &message);
+                    vehicle.handle(own, US, &message);
                 }
             }
         }
         for link in 0..self.vehicles.len() {
-            self.vehicles[link].handle_timeout(self.now);
+            self.vehicles[link].handle_timeout(own);
             let from = self.vehicles[link].address();
             while let Some(message) = self.vehicles[link].poll_transmit() {
                 if self.cut.contains(&from.system) {

@@ -90,6 +90,10 @@ pub(super) fn line(status: &Status) -> String {
     let lost = status
         .lost_s
         .map_or_else(String::new, |s| format!("LINK LOST {s:.0} s"));
+    let done = match status.done {
+        (_, 0) => String::new(),
+        (done, all) => format!("  done {done} of {all}"),
+    };
     let alarms: Vec<&str> = status.alarms.iter().map(|kind| kind.key()).collect();
     let alarms = if alarms.is_empty() {
         String::new()
@@ -97,7 +101,7 @@ pub(super) fn line(status: &Status) -> String {
         format!("ALARM {}", alarms.join(", "))
     };
     format!(
-        "{:>10}  {:<11}  {}  item {item:>3} of {of:<3}  {:>3.0} %  {time:>12}  {closest:<18} {lost} {alarms}",
+        "{:>10}  {:<11}  {}  item {item:>3} of {of:<3}{done}  {:>3.0} %  {time:>12}  {closest:<18} {lost} {alarms}",
         status.vehicle,
         status.stage,
         instruments(status),

@@ -3,7 +3,7 @@
 use super::console::{Paint, out};
 use super::failure::Failure;
 use super::table::{self, Rows};
-use crate::flight::{FlightReport, Passage, Spread};
+use crate::flight::{FlightReport, Passage, ServiceState, Spread, done_words};
 use crate::verify::{Limit, Margin, Sense};
 
 /// Prints the table of a flight that is over, and the limits that were violated.
@@ -19,6 +19,26 @@ pub(crate) fn report(judged: &FlightReport) -> Result<(), Failure> {
             of.end
         ))?;
     }
+    for of in &judged.vehicles {
+        let left = of.served.iter().filter(|of| of.state != ServiceState::Done);
+        let left: Vec<String> = left
+            .map(|served| {
+                format!(
+                    "{} {} {}",
+                    served.kind.word(),
+                    served.id,
+                    served.state.word()
+                )
+            })
+            .collect();
+        if !left.is_empty() {
+            out(&format!(
+                "{}: not seen done: {}",
+                of.vehicle,
+                left.join(", ")
+            ))?;
+        }
+    }
     for margin in judged.margins.iter().filter(|m| m.other.is_some() || !m.ok) {
         out(&margin_line(margin, paint))?;
     }
@@ -27,15 +47,18 @@ pub(crate) fn report(judged: &FlightReport) -> Result<(), Failure> {
 
 /// One row for each vehicle.
 fn vehicle_rows(judged: &FlightReport, paint: Paint) -> Rows {
-    let mut rows = Rows::new(&[
+    let has_services = judged.vehicles.iter().any(|of| !of.served.is_empty());
+    let mut headers = vec![
         "vehicle",
         "end",
         "cross-track error",
         "altitude error",
         "late",
         "clearance",
-        "",
-    ]);
+    ];
+    headers.extend(has_services.then_some("done"));
+    headers.push("");
+    let mut rows = Rows::new(&headers);
     let spread = |spread: Option<Spread>| {
         spread.map_or_else(
             || "-".to_owned(),
@@ -53,7 +76,7 @@ fn vehicle_rows(judged: &FlightReport, paint: Paint) -> Rows {
             .margins
             .iter()
             .all(|margin| margin.ok || !margin.concerns(&vehicle.vehicle));
-        rows.add([
+        let mut cells = vec![
             vehicle.vehicle.clone(),
             vehicle.end.clone(),
             spread(vehicle.cross_track_m),
@@ -62,12 +85,14 @@ fn vehicle_rows(judged: &FlightReport, paint: Paint) -> Rows {
             clearance
                 .filter(|margin| margin.value.is_finite())
                 .map_or_else(|| "-".to_owned(), |m| format!("{:.0} m", m.value)),
-            if is_within && vehicle.ended_as_planned {
-                paint.good("ok")
-            } else {
-                paint.bad("FAIL")
-            },
-        ]);
+        ];
+        cells.extend(has_services.then(|| done_words(&vehicle.served)));
+        cells.push(if is_within && vehicle.ended_as_planned {
+            paint.good("ok")
+        } else {
+            paint.bad("FAIL")
+        });
+        rows.add(cells);
     }
     rows
 }

@@ -235,6 +235,7 @@ fn of_fleet(record: Record, path: &Path, file: &SpecFile) -> Result<Record, Fail
             vehicle: id.to_owned(),
             plans: Vec::new(),
             flown: flight::Flown::default(),
+            itinerary: flight::Itinerary::default(),
         })
     };
     Ok(Record {

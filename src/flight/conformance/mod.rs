@@ -8,6 +8,7 @@ pub(super) mod report;
 pub(super) mod speed;
 pub(super) mod takeoff;
 
+use super::itinerary::progress::Progress;
 use super::record::{Fix, Flight, Record};
 use super::session::end::End;
 use crate::geodesy::{EastNorth, PlanPoint};
@@ -24,6 +25,10 @@ use takeoff::landing_column_m;
 
 /// Around home and the place of landing the minimum height does not hold, metres.
 pub(super) const COLUMN_M: f64 = 25.0;
+/// Two waypoints this near each other have an upright leg between them, metres.
+const UPRIGHT_M: f64 = 1.0;
+/// So much further from a waypoint than before a vehicle has left it, metres.
+const LEAVES_M: f64 = 5.0;
 /// Between two positions this far apart in time nothing is known, seconds.
 pub(super) const GAP_S: f64 = 5.0;
 
@@ -248,6 +253,8 @@ impl<'a> FlownTrack<'a> {
         let mut found = Vec::new();
         for (index, waypoint) in plan.waypoints.iter().enumerate().skip(part.ahead) {
             let next = plan.waypoints.get(index + 1).map_or(usize::MAX, |w| w.item);
+            let after = plan.waypoints.get(index + 1).map(|w| w.point.at);
+            let is_upright = after.is_some_and(|at| at.distance_m(waypoint.point.at) < UPRIGHT_M);
             let mut best: Option<(f64, f64, usize)> = None;
             for at in from..fixes.len().saturating_sub(1) {
                 if fixes[at].item > next {
@@ -261,6 +268,12 @@ impl<'a> FlownTrack<'a> {
                     break;
                 }
                 let distance_m = (distance_m - waypoint.radius_m).max(0.0);
+                let leaves = fixes[at].item > waypoint.item
+                    && best.is_some_and(|(least_m, ..)| distance_m > least_m + LEAVES_M);
+                if is_upright && leaves {
+                    // Straight down or up to the next one, it may come past here once more.
+                    break;
+                }
                 if best.is_none_or(|(least, ..)| distance_m < least - 0.05) {
                     let t_s = fixes[at].t_s + share * (fixes[at + 1].t_s - fixes[at].t_s);
                     best = Some((distance_m, t_s, at));
@@ -323,6 +336,7 @@ impl<'a> FlownTrack<'a> {
             altitude_error_m: spread(|deviation| deviation.above_m.abs()),
             passages: self.parts().flat_map(|part| self.passages(&part)).collect(),
             stops: self.stops(),
+            served: Progress::recorded(self.flight, self.airframe).served(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! How well a flight went.
 
+use crate::flight::itinerary::state::Served;
 use crate::verify::Margin;
 
 /// What was flown against what was planned.
@@ -30,6 +31,8 @@ pub struct VehicleReport {
     pub passages: Vec<Passage>,
     /// When it was at its stops, in the order of the spec.
     pub stops: Vec<MadeStop>,
+    /// What was seen of its stops and tasks, in the order in which they begin.
+    pub served: Vec<Served>,
 }
 
 /// A stop of the spec, and when the vehicle was nearest to it.

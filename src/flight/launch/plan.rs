@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use crate::flight::conformance::reference::Reference;
 use crate::flight::error::FlightError;
+use crate::flight::itinerary::plan_file::itineraries;
+use crate::flight::itinerary::stops::Itinerary;
 use crate::flight::session::vehicle::Assignment;
 use crate::formats;
 use crate::link::Links;
@@ -34,6 +36,8 @@ pub struct FlightPlan {
     pub world: World,
     /// The missions, each with the index of its vehicle in the spec.
     pub missions: Vec<(usize, VehicleMission)>,
+    /// What each vehicle of the spec does on its way.
+    pub(crate) itineraries: Vec<Itinerary>,
     pub(crate) review: Review,
 }
 
@@ -60,7 +64,9 @@ impl FlightPlan {
         }
         adopt_timing(&mut file.spec, &missions, &review);
         refuse_edited_params(&file.spec, &folder, &missions)?;
+        let itineraries = read_itineraries(&file.spec, &folder)?;
         Ok(Self {
+            itineraries,
             file,
             folder,
             world,
@@ -114,7 +120,7 @@ impl FlightPlan {
                         vehicle.depart_s
                     },
                     upload: is_uploaded(*index),
-                    stops: vehicle.stop_sites(),
+                    itinerary: self.itineraries[*index].clone(),
                 }
             })
             .collect()
@@ -220,6 +226,23 @@ fn read_params(path: &Path) -> Result<Vec<Parameter>, FlightError> {
         _ => bad(error.to_string()),
     })?;
     formats::params::read(&text).map_err(|error| bad(error.to_string()))
+}
+
+/// Reads what each vehicle does on its way; nothing where the folder has no `plan.json`, which others
+/// refuse.
+fn read_itineraries(spec: &MissionSpec, folder: &Path) -> Result<Vec<Itinerary>, FlightError> {
+    let nothing = vec![Itinerary::default(); spec.vehicles.len()];
+    let has_stops = spec.vehicles.iter().any(|of| !of.stops.is_empty());
+    if !has_stops && spec.tasks.is_empty() {
+        return Ok(nothing);
+    }
+    let path = folder.join("plan.json");
+    let bad = |why: String| FlightError::Input(format!("{}: {why}", path.display()));
+    match read_regular(&path) {
+        Ok(text) => itineraries(text.as_bytes(), spec).map_err(bad),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(nothing),
+        Err(error) => Err(bad(error.to_string())),
+    }
 }
 
 /// Refuses parameters that are not those of the plan: they would be set on the vehicle, and its

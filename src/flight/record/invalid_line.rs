@@ -4,6 +4,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::lines::{FixLine, PlanLine, ThreatLine};
+use crate::flight::itinerary::stops::Itinerary;
 
 /// What a value of a key is.
 #[derive(Clone, Copy)]
@@ -17,7 +18,7 @@ enum Kind {
 /// A key that only one kind of line has, what that is, and the keys of it.
 type Sort = (&'static str, &'static str, &'static [(&'static str, Kind)]);
 
-const LINES: [Sort; 9] = [
+const LINES: [Sort; 10] = [
     (
         "sortie",
         "a header",
@@ -34,6 +35,7 @@ const LINES: [Sort; 9] = [
         "a plan",
         &[("t_s", Kind::Number), ("vehicle", Kind::Text)],
     ),
+    ("itinerary", "an itinerary", &[("vehicle", Kind::Text)]),
     ("threat", "a threat", &[("t_s", Kind::Number)]),
     ("lat_deg", "a position", &[]),
     (
@@ -90,6 +92,7 @@ fn why_not(line: &Value) -> String {
     let inner = line.get(mark).cloned().unwrap_or_default();
     let refused = match *mark {
         "plan" => refusal::<PlanLine>(inner),
+        "itinerary" => refusal::<Itinerary>(inner),
         "threat" => refusal::<ThreatLine>(inner),
         "lat_deg" => refusal::<FixLine>(line.clone()),
         _ => None,

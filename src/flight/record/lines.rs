@@ -6,6 +6,7 @@ use super::{Fix, Flown, Plan, PopUp};
 use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::document::rounded;
 use crate::flight::event::Event;
+use crate::flight::itinerary::stops::Itinerary;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::spec::{AlarmKind, THREAT_RADIUS_M, Threat};
 
@@ -40,6 +41,13 @@ pub enum Line {
         vehicle: String,
         /// The plan.
         plan: PlanLine,
+    },
+    /// What a vehicle does on its way.
+    Itinerary {
+        /// Id in the spec.
+        vehicle: String,
+        /// Its stops, and what they are for.
+        itinerary: Itinerary,
     },
     /// A threat has come up.
     Threat {

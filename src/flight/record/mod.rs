@@ -12,6 +12,7 @@ pub(super) mod underway;
 pub use fix::Fix;
 
 use super::conformance::reference::Reference;
+use super::itinerary::stops::Itinerary;
 use crate::spec::{AlarmKind, Threat};
 
 /// Items reached that are taken down of one vehicle within [`PERIOD_S`].
@@ -63,6 +64,8 @@ pub struct Flight {
     pub plans: Vec<Plan>,
     /// What it flew.
     pub flown: Flown,
+    /// Its stops and what they are for; empty where that was not recorded.
+    pub itinerary: Itinerary,
 }
 
 /// A flight as it was recorded: all that its verdict needs besides the spec.

@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use super::invalid_line;
 use super::lines::{FixLine, Line, place};
 use super::{Fix, Flight, RaisedAlarm, Record};
+use crate::flight::itinerary::stops::Itinerary;
 use crate::flight::session::end::End;
 use crate::geodesy::{Amsl, LocalFrame};
 
@@ -89,6 +90,7 @@ impl Reading {
                 vehicle: vehicle.to_owned(),
                 plans: Vec::new(),
                 flown: crate::flight::Flown::default(),
+                itinerary: Itinerary::default(),
             });
             flights.len() - 1
         });
@@ -162,6 +164,24 @@ impl Reading {
         Ok(())
     }
 
+    fn itinerary(&mut self, vehicle: &str, itinerary: Itinerary) -> Result<(), String> {
+        self.check(0.0, vehicle)?;
+        if let Some(problem) = itinerary.problem() {
+            return Err(problem);
+        }
+        self.once(format!("the itinerary of {vehicle}"))?;
+        self.of(vehicle).itinerary = itinerary;
+        Ok(())
+    }
+
+    fn stop(&mut self, t_s: f64, stopped_s: f64) -> Result<(), String> {
+        if t_s < 0.0 || !(0.0..=t_s.max(0.0)).contains(&stopped_s) {
+            return Err(format!("a stop of {stopped_s} s until {t_s} s cannot be"));
+        }
+        self.record.stops.push((t_s - stopped_s, t_s));
+        Ok(())
+    }
+
     fn alarm(&mut self, line: Line) {
         if let Line::Alarm {
             t_s,
@@ -206,6 +226,9 @@ impl Reading {
                 let plan = plan.plan(self.frame)?;
                 self.of(&vehicle).plans.push(plan);
             }
+            Line::Itinerary { vehicle, itinerary } => {
+                self.itinerary(&vehicle, itinerary)?;
+            }
             Line::Threat { t_s, threat } => {
                 let mut popup = threat.popup(t_s)?;
                 // A record is written as things happen: no threat comes up long after the
@@ -227,10 +250,7 @@ impl Reading {
                 self.of(&vehicle).flown.reached.push((reached, t_s));
             }
             Line::Stop { t_s, stopped_s } => {
-                if t_s < 0.0 || !(0.0..=t_s.max(0.0)).contains(&stopped_s) {
-                    return Err(format!("a stop of {stopped_s} s until {t_s} s cannot be"));
-                }
-                self.record.stops.push((t_s - stopped_s, t_s));
+                self.stop(t_s, stopped_s)?;
             }
             Line::End { vehicle, end, t_s } => {
                 self.check(t_s.unwrap_or(0.0), &vehicle)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Fix, Flight, Flown, Plan, Record};
+use crate::flight::itinerary::stops::Itinerary;
 use crate::flight::session::arrival;
 use crate::flight::session::clock::Offset;
 use crate::flight::session::end::End;
@@ -205,6 +206,7 @@ impl Reading {
             vehicle: self.capture.vehicle,
             plans: vec![self.capture.plan],
             flown: self.flown,
+            itinerary: Itinerary::default(),
         }
     }
 }

@@ -133,6 +133,10 @@ impl Assessment<'_> {
                 "it still climbs after its takeoff: give the threat again when it is on its way";
             return Err(why.to_owned());
         }
+        if state.is_placing {
+            let why = "it is placing its load: give the threat again when it goes on";
+            return Err(why.to_owned());
+        }
         let vehicle = &self.plan.spec().vehicles[state.vehicle];
         let lead_m = lead_s * vehicle.fastest_mps();
         let branch = state.branch_after(lead_m).ok_or_else(|| {

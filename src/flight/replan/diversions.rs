@@ -11,10 +11,10 @@ use crate::flight::launch::plan::FlightPlan;
 use crate::flight::session::diversion::{Diversion, Onward};
 use crate::link::{Arrival, Command, FlightMessage, Links, Message};
 
-/// Between two positions of a vehicle that is diverted, microseconds.
+/// Between two positions, and two current items, of a vehicle that is diverted, microseconds.
 const INTERVAL_US: f32 = 200_000.0;
-/// `GLOBAL_POSITION_INT`.
-const POSITION: f32 = 33.0;
+/// `GLOBAL_POSITION_INT` and `MISSION_CURRENT`.
+const STREAMED: [f32; 2] = [33.0, 42.0];
 /// Messages that are handled before timeouts have their turn again.
 const BURST: usize = 1000;
 
@@ -72,16 +72,19 @@ fn begin<'a>(
         let Some(observed) = observation.vehicles.get(&new.vehicle) else {
             continue;
         };
-        let order = Command::new(Command::SET_MESSAGE_INTERVAL, [POSITION, INTERVAL_US]);
         let target = observed.address;
-        let message = FlightMessage::Command { target, order };
-        links.send(this.sysid, Message::Flight(message));
+        for id in STREAMED {
+            let order = Command::new(Command::SET_MESSAGE_INTERVAL, [id, INTERVAL_US]);
+            let message = FlightMessage::Command { target, order };
+            links.send(this.sysid, Message::Flight(message));
+        }
         let onward = Onward {
             vehicle: &this.id,
             mission: &new.mission,
             origin: plan.world.frame.from_plan(new.origin.at),
             ahead: new.ahead,
             new: new.new,
+            held: new.held,
         };
         let others = fleet.iter().map(|vehicle| vehicle.sysid);
         let others = others.filter(|id| *id != this.sysid).collect();

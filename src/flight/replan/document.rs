@@ -32,6 +32,7 @@ pub fn document(
                 "on_new_path": outcome.is_some_and(Result::is_ok),
                 "reason": outcome.and_then(|outcome| outcome.as_ref().err()),
                 "items": items,
+                "left": left(decision, new.vehicle),
             })
         })
         .collect();
@@ -49,6 +50,17 @@ pub fn document(
         "vehicles": vehicles,
         "cannot_avoid": cannot_avoid,
     }))
+}
+
+/// The stops and tasks of a vehicle that are left.
+fn left(decision: &Decision, vehicle: usize) -> Vec<Value> {
+    let state = decision
+        .states
+        .iter()
+        .find(|state| state.vehicle == vehicle);
+    let left = state.map_or(&[][..], |state| state.left.as_slice()).iter();
+    left.map(|of| json!({"id": of.id, "kind": of.kind.word()}))
+        .collect()
 }
 
 /// The document of a threat for which nothing was decided, or nothing sent.

@@ -18,6 +18,8 @@ pub struct NewMission {
     /// Index of the first item ahead, and of the first that is new.
     pub(super) ahead: usize,
     pub(super) new: usize,
+    /// Items of the mission before, and the index of the first of them that is in this one.
+    pub(super) held: (usize, usize),
     /// Where the leg to the first item ahead begins.
     pub(super) origin: PlanPoint,
     /// The plan that its flight is judged by from then on.
@@ -59,6 +61,7 @@ impl NewMission {
             mission,
             ahead: first - begin,
             new: retained_end - begin,
+            held: (held.items.len(), begin),
             origin: state.origin,
             plan: Plan {
                 items,

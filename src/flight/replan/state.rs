@@ -2,6 +2,8 @@
 
 use super::observation::ObservedVehicle;
 use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::itinerary::rows::left_of;
+use crate::flight::itinerary::stops::Service;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
@@ -34,6 +36,8 @@ pub struct VehicleState {
     speed_mps: f64,
     /// Whether its takeoff is not over: it must not be diverted low over the ground.
     pub(super) takes_off: bool,
+    /// Whether it places a load: whatever its mission is by then, it ends that first.
+    pub(super) is_placing: bool,
     /// Its flown track since the threat came up.
     pub(super) flown: Vec<PlanPoint>,
     /// Whether it flies its mission; else it holds, or somebody flies it.
@@ -48,6 +52,8 @@ pub struct VehicleState {
     pub stands: bool,
     /// Where it stays on its way or turns back, in order.
     pub(super) vias: Vec<Via>,
+    /// Its stops and tasks that are ahead or under way.
+    pub left: Vec<Service>,
     /// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.
     stay_radius_m: f32,
 }
@@ -129,12 +135,9 @@ impl VehicleState {
         let first = usize::from(planned.autopilot.first_row());
         let row = (usize::from(observed.seq) + first).max(1);
         let here = point(plan, &observed.position);
-        let no_times = Track {
-            vehicle: String::new(),
-            moments: Vec::new(),
-            late_s: Vec::new(),
-        };
-        let reference = Reference::new(&held, &no_times, &plan.world);
+        let reference = untimed(&held, plan);
+        let itinerary = plan.itineraries.get(vehicle);
+        let left = itinerary.map(|itinerary| left_of(itinerary, &reference, row));
         let (origin, mut ahead) = split_path(&reference, row);
         // A load is put down at a stop: no waypoint of its own.
         let puts_down = |index: usize| {
@@ -142,6 +145,7 @@ impl VehicleState {
             item.is_some_and(|item| item.command == command::NAV_PAYLOAD_PLACE)
         };
         ahead.retain(|(index, _)| !puts_down(*index));
+        let is_placing = puts_down(row - 1);
         let stands = observed.position.above_home_m() < AIRBORNE_M;
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some((_, top))) = (rising, ahead.first_mut()) {
@@ -161,6 +165,7 @@ impl VehicleState {
             course_rad: east_cmps.atan2(north_cmps),
             speed_mps: observed.position.ground_speed_mps(),
             takes_off: rising,
+            is_placing,
             flown: threat_time.flown_track(plan, observed),
             in_mission: modes::is_mission(planned, observed.beat.custom_mode),
             origin: origin.filter(|_| !rising).unwrap_or(here),
@@ -168,6 +173,7 @@ impl VehicleState {
             lands: reference.lands,
             stands,
             vias,
+            left: left.unwrap_or_default(),
             stay_radius_m,
         })
     }
@@ -395,6 +401,16 @@ fn split_path(reference: &Reference, row: usize) -> (Option<PlanPoint>, Vec<(usi
     // A mission that was given in the air does not begin at home.
     let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
     (origin.map(|w| w.point), ahead.collect())
+}
+
+/// The waypoints of a mission without their times.
+fn untimed(held: &VehicleMission, plan: &FlightPlan) -> Reference {
+    let no_times = Track {
+        vehicle: String::new(),
+        moments: Vec::new(),
+        late_s: Vec::new(),
+    };
+    Reference::new(held, &no_times, &plan.world)
 }
 
 /// A position in planning coordinates.

@@ -9,11 +9,15 @@ use crate::link::{
     Address, Body, Command, CommandResult, FlightMessage, Heartbeat, Message, MissionMessage,
     MissionResult, Order, Session, Time, Verdict,
 };
-use crate::mission::VehicleMission;
+use crate::mission::{VehicleMission, command};
 use crate::spec::Autopilot;
 
 /// `MAV_MISSION_TYPE_MISSION`.
 const MISSION: u8 = 0;
+
+/// A vehicle is at a stop within this, metres, and rests there below this speed, m/s.
+const AT_STOP_M: f64 = 10.0;
+const RESTS_MPS: f64 = 1.0;
 
 /// The problem of a vehicle that does not answer any more.
 const UNSAID: &str = "holds the new mission, and did not say that it goes on with it";
@@ -32,6 +36,8 @@ pub struct Onward<'a> {
     pub ahead: usize,
     /// See `ahead`.
     pub new: usize,
+    /// Items of the mission before, and the index of the first of them in the new one.
+    pub held: (usize, usize),
 }
 
 /// The transfer of a new mission to a vehicle in flight, and the command to go on with
@@ -49,6 +55,8 @@ pub struct Diversion<'a> {
     onward: Onward<'a>,
     /// Where the vehicle was last heard to be, and how fast it flew to the east and the north, m/s.
     here: Option<(LatLon, (f64, f64))>,
+    /// Index in the new mission of the item that it flew to by its mission before.
+    current: Option<usize>,
     pending: Option<PendingCommand>,
     /// The same by message.
     setting: Option<Setting>,
@@ -83,6 +91,7 @@ impl<'a> Diversion<'a> {
             vehicle,
             onward,
             here: None,
+            current: None,
             pending: None,
             setting: None,
             going: None,
@@ -111,6 +120,7 @@ impl<'a> Diversion<'a> {
                 }
             }
             Message::MissionCurrent { seq, total, .. } => {
+                self.heed_current(usize::from(*seq), usize::from(*total));
                 if let Some(setting) = &mut self.setting {
                     setting.heard(*seq, *total);
                 }
@@ -128,12 +138,42 @@ impl<'a> Diversion<'a> {
         }
     }
 
+    /// It flies to an item of the mission that it had before.
+    fn heed_current(&mut self, seq: usize, total: usize) {
+        let (held, begin) = self.onward.held;
+        let has_new = self.pending.is_some() || self.setting.is_some() || self.going.is_some();
+        if has_new || total != held {
+            return;
+        }
+        let first = usize::from(self.onward.mission.autopilot.first_row());
+        let index = (seq + first).checked_sub(1 + begin);
+        self.current = index.filter(|index| *index < self.onward.new);
+    }
+
+    /// The item of a stop that a vehicle at a place and with a speed is making: going on with another
+    /// would leave something out there, or do it twice.
+    fn stays_at(&self, (here, (east_mps, north_mps)): (LatLon, (f64, f64))) -> Option<usize> {
+        let index = self.current?;
+        let item = self.onward.mission.items.get(index)?;
+        let stays = match item.command {
+            command::NAV_WAYPOINT => item.params[0] > 0.0,
+            other => other == command::NAV_PAYLOAD_PLACE,
+        };
+        let is_at = item.place()?.chord_m(here) < AT_STOP_M;
+        let rests = east_mps.hypot(north_mps) < RESTS_MPS;
+        (stays && is_at && rests).then_some(index)
+    }
+
     /// The vehicle holds the new mission, by its own word.
     fn has_the_mission(&mut self, now: Time) {
         if self.pending.is_some() || self.setting.is_some() || self.going.is_some() {
             return;
         }
-        let Some((cross_track_m, next)) = self.here.map(|here| self.on(here)) else {
+        let on = self.here.map(|here| {
+            let (cross_track_m, next) = self.on(here);
+            (cross_track_m, self.stays_at(here).unwrap_or(next))
+        });
+        let Some((cross_track_m, next)) = on else {
             self.going = Some(Err(
                 "took its new mission, and does not say where".to_owned()
             ));

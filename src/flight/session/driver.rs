@@ -125,7 +125,14 @@ impl<'a> Driver<'a> {
             };
             Line::of_plan(&plan.vehicle(*index).id, 0.0, &of).text()
         });
-        let lines: Vec<String> = lines.collect();
+        let itineraries = plan.missions.iter().filter_map(|(index, _)| {
+            let itinerary = plan.itineraries.get(*index)?;
+            let vehicle = plan.vehicle(*index).id.clone();
+            let itinerary = itinerary.clone();
+            let line = Line::Itinerary { vehicle, itinerary };
+            (!plan.itineraries[*index].stops.is_empty()).then(|| line.text())
+        });
+        let lines: Vec<String> = lines.chain(itineraries).collect();
         self.journal.put(&lines)
     }
 

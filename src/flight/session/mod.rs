@@ -76,6 +76,8 @@ enum Phase {
     Checking,
     Arming {
         until: Time,
+        /// How often vehicles were armed again because others took longer.
+        again: u8,
     },
     /// Nothing is started, and armed vehicles are disarmed.
     Abandoning,
@@ -199,7 +201,7 @@ impl<'a> Fleet<'a> {
         }
         match self.phase {
             Phase::Checking => self.look_whether_all_are_ready(now),
-            Phase::Arming { until } => self.look_whether_all_are_armed(now, until),
+            Phase::Arming { until, again } => self.look_whether_all_are_armed(now, until, again),
             Phase::Abandoning => self.look_whether_all_are_disarmed(),
             Phase::Flying { t0_ms } => self.watch(now, t0_ms),
             Phase::Ended => {}
@@ -397,7 +399,7 @@ impl<'a> Fleet<'a> {
         if stopped_ms < STOPPED_MS {
             return;
         }
-        if let Phase::Arming { until } = &mut self.phase {
+        if let Phase::Arming { until, .. } = &mut self.phase {
             *until = *until + stopped_ms;
         }
         for vehicle in &mut self.vehicles {

@@ -7,6 +7,12 @@ use crate::link::Time;
 /// After the time for arming heartbeats are waited for this long, milliseconds.
 const CONFIRMING_MS: u64 = 10_000;
 
+/// From T0 until a vehicle has left the ground, by its own clock, seconds: the order to start, the
+/// spin-up and the ramp of the thrust of PX4 (`COM_SPOOLUP_TIME`, `MPC_TKO_RAMP_T`: 1 and 3 s).
+const LIFTOFF_S: f64 = 5.0;
+/// Vehicles are armed again this often before nothing is started.
+const MOST_AGAIN: u8 = 6;
+
 /// When a flight may begin whose limits hold at certain times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Launch {
@@ -78,11 +84,54 @@ impl Fleet<'_> {
             .iter_mut()
             .for_each(|vehicle| vehicle.arm(now));
         let until = now + ARMING_MS + CONFIRMING_MS;
-        self.phase = Phase::Arming { until };
+        self.phase = Phase::Arming { until, again: 0 };
+    }
+
+    /// Arms those again that may disarm themselves before they have left the ground, because others took
+    /// longer. Whether there are any.
+    fn arm_again(&mut self, now: Time, (until, again): (Time, u8)) -> bool {
+        let flight_ms = self.flight_ms(now);
+        // The time of simulated vehicles may go on faster than they are answered.
+        let is_hurried = self.options.speedup > 1.0 && again >= MOST_AGAIN / 2;
+        let for_s = if is_hurried {
+            0.2 * LIFTOFF_S
+        } else {
+            LIFTOFF_S
+        };
+        let vehicles = self.vehicles.iter().enumerate();
+        let old = vehicles.filter(|(_, of)| !of.stays_armed(flight_ms, for_s));
+        let old: Vec<usize> = old.map(|(index, _)| index).collect();
+        if old.is_empty() {
+            return false;
+        }
+        let words = |vehicle: &FlightVehicle<'_>| {
+            let armed_s = vehicle.armed_for_s(flight_ms);
+            let after_s = vehicle.disarms_after_s().unwrap_or(f64::INFINITY);
+            format!(
+                "was armed for {armed_s:.0} s when the last one was, and disarms itself after {after_s:.0} s"
+            )
+        };
+        let old_ones = old.iter().map(|index| &self.vehicles[*index]);
+        let why: Vec<(String, String)> = old_ones
+            .map(|of| (of.of.vehicle.to_owned(), words(of)))
+            .collect();
+        if again >= MOST_AGAIN {
+            self.abandon(now, why);
+            return true;
+        }
+        for (index, (vehicle, text)) in old.into_iter().zip(why) {
+            self.vehicles[index].arm_again(now);
+            self.say(now, Some(vehicle), format!("{text}: it is armed again"));
+        }
+        self.phase = Phase::Arming {
+            until: until.max(now + CONFIRMING_MS),
+            again: again + 1,
+        };
+        true
     }
 
     /// T0 is when a fresh heartbeat of every vehicle shows it armed.
-    pub(super) fn look_whether_all_are_armed(&mut self, now: Time, until: Time) {
+    pub(super) fn look_whether_all_are_armed(&mut self, now: Time, until: Time, again: u8) {
         let refusals = self.refusals();
         if !refusals.is_empty() {
             return self.abandon(now, refusals);
@@ -95,6 +144,8 @@ impl Fleet<'_> {
         if waiting.is_empty() && self.options.launch.is_some_and(is_late) {
             let why = "all are armed too late for the times of the zones, which are those after t0";
             self.abandon(now, vec![(String::new(), why.to_owned())]);
+        } else if waiting.is_empty() && self.arm_again(now, (until, again)) {
+            // T0 is when those are armed again.
         } else if waiting.is_empty() {
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };

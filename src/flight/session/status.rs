@@ -36,6 +36,8 @@ pub struct Status {
     pub amsl_m: Option<f64>,
     /// Age of its position, seconds of flight.
     pub age_s: Option<f64>,
+    /// Stops and tasks that it was seen to do, and all of them.
+    pub done: (usize, usize),
     /// The alarms that stand.
     pub alarms: Vec<AlarmKind>,
 }
@@ -64,6 +66,7 @@ impl Fleet<'_> {
             battery_percent,
             amsl_m: vehicle.latest.map(|(_, fix)| fix.amsl.0),
             age_s: age_s.map(|age_s| age_s.max(0.0)),
+            done: vehicle.progress.done_of(),
             alarms: self
                 .alarms
                 .as_ref()

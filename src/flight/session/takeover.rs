@@ -34,7 +34,7 @@ impl<'a> Fleet<'a> {
         fleet.phase = Phase::Flying { t0_ms };
         for vehicle in &mut fleet.vehicles {
             if let Some(recorded) = flight.flight(vehicle.of.vehicle) {
-                vehicle.take_over(recorded.flown.clone(), t0_ms);
+                vehicle.take_over(recorded, t0_ms);
             }
         }
         let (from_s, t_s) = (flight.until_s(), since_ms / 1000.0);

@@ -45,11 +45,13 @@ impl<'a> Fleet<'a> {
     /// A vehicle is sent another plan. One that cannot be read is reported by the verdict.
     pub(super) fn heed_plan(&mut self, vehicle: &str, plan: PlanLine) {
         let index = self.vehicles.iter().position(|of| of.of.vehicle == vehicle);
-        let (Some(alarms), Some(index)) = (&mut self.alarms, index) else {
+        let Some(index) = index else { return };
+        let vehicle = &mut self.vehicles[index];
+        let Ok(plan) = plan.plan(*vehicle.of.reference.frame()) else {
             return;
         };
-        let frame = *self.vehicles[index].of.reference.frame();
-        if let Ok(plan) = plan.plan(frame) {
+        vehicle.progress.add_mission(plan.items, &plan.reference);
+        if let Some(alarms) = &mut self.alarms {
             alarms.replan(index, plan);
         }
     }

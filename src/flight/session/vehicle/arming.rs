@@ -2,9 +2,11 @@
 //! answer to a command only says that the command was taken.
 
 use super::{FlightVehicle, Stage};
+use crate::autopilot::{Autopilot, parameter};
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
-use crate::link::{Heartbeat, Time};
+use crate::link::{FlightMessage, Heartbeat, Message, Time};
+use crate::spec::Airframe;
 
 /// How long arming is tried, milliseconds: position estimates settle after a start.
 pub(in crate::flight::session) const ARMING_MS: u64 = 20_000;
@@ -25,6 +27,8 @@ pub(super) struct Arming {
     until: Time,
     /// When the next try begins.
     again: Time,
+    /// Whether it is disarmed first.
+    disarms: bool,
     /// Whether the vehicle accepted the command.
     accepted: bool,
     /// Heartbeats since then that show it disarmed.
@@ -46,16 +50,35 @@ pub(crate) struct Disarming {
     end: Option<End>,
 }
 
+/// When a vehicle was last seen disarmed: on the fleet's clock, and by its own, milliseconds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenDisarmed {
+    flight_ms: f64,
+    own_ms: Option<f64>,
+}
+
 impl FlightVehicle<'_> {
     pub(in crate::flight) fn arm(&mut self, now: Time) {
+        self.begin_arming(now, false);
+        self.command(modes::arm(self.of.mission));
+    }
+
+    /// Disarms it, and arms it again once a heartbeat shows it disarmed: so it counts the time until it
+    /// disarms itself anew.
+    pub(in crate::flight) fn arm_again(&mut self, now: Time) {
+        self.begin_arming(now, true);
+        self.command([modes::disarm()]);
+    }
+
+    fn begin_arming(&mut self, now: Time, disarms: bool) {
         self.stage = Stage::Arming;
         self.arming = Some(Arming {
             until: now + ARMING_MS,
             again: Time(u64::MAX),
+            disarms,
             accepted: false,
             unarmed: 0,
         });
-        self.command(modes::arm(self.of.mission));
     }
 
     /// Whether it was ordered to arm.
@@ -70,10 +93,63 @@ impl FlightVehicle<'_> {
         matches!(self.stage, Stage::Armed) && age_ms <= FRESH_MS
     }
 
+    /// After how long on the ground it disarms itself, seconds; none: it does not. What it said counts,
+    /// else the parameters of its plan, else the default.
+    pub(in crate::flight) fn disarms_after_s(&self) -> Option<f64> {
+        let name = self.disarm_parameter()?;
+        let default_s = || parameter(name).map(|row| row.default_si());
+        let planned_s = self.of.mission.param_si(name).or_else(default_s);
+        self.disarm_s.or(planned_s).filter(|after_s| *after_s > 0.0)
+    }
+
+    /// The parameter that has after how long it disarms itself before a takeoff; ArduPlane does not.
+    pub(super) fn disarm_parameter(&self) -> Option<&'static str> {
+        match (self.autopilot(), self.of.mission.airframe) {
+            (Autopilot::Px4, _) => Some("COM_DISARM_PRFLT"),
+            (Autopilot::ArduPilot, Airframe::Copter) => Some("DISARM_DELAY"),
+            (Autopilot::ArduPilot, Airframe::Plane | Airframe::Vtol) => None,
+        }
+    }
+
+    /// Requests that parameter: a plan that departs at T0 has none of its own.
+    pub(super) fn request_disarm_parameter(&mut self) {
+        if let (Some(name), Some((target, _))) = (self.disarm_parameter(), self.vehicle) {
+            let name = name.to_owned();
+            let read = FlightMessage::ParamRead { target, name };
+            self.outbox.push_back(Message::Flight(read));
+        }
+    }
+
+    /// Its own clock at a time on the fleet's, milliseconds.
+    fn own_ms(&self, flight_ms: f64) -> Option<f64> {
+        let (boot_ms, heard_ms) = self.own_clock?;
+        Some(f64::from(boot_ms) + (flight_ms - heard_ms).max(0.0))
+    }
+
+    /// For how long it may have been armed by its own clock, seconds: since it was last seen disarmed.
+    pub(in crate::flight) fn armed_for_s(&self, flight_ms: f64) -> f64 {
+        let Some(seen) = self.seen_disarmed else {
+            return f64::INFINITY;
+        };
+        let own_ms = seen.own_ms.zip(self.own_ms(flight_ms));
+        let own_ms = own_ms.map(|(from_ms, to_ms)| to_ms - from_ms);
+        own_ms.unwrap_or(flight_ms - seen.flight_ms) / 1000.0
+    }
+
+    /// Whether it stays armed for a time, seconds by its own clock; half of the time that it has in
+    /// all is enough. A vehicle that waits for its departure is set to stay armed.
+    pub(in crate::flight) fn stays_armed(&self, flight_ms: f64, for_s: f64) -> bool {
+        let armed_s = self.armed_for_s(flight_ms);
+        let stays = |after_s: f64| armed_s <= after_s - for_s.min(0.5 * after_s);
+        self.disarms_after_s().is_none_or(stays)
+    }
+
     /// It accepted all commands that arm it.
     pub(super) fn accept_arming(&mut self) {
-        if let Some(arming) = &mut self.arming {
-            (arming.accepted, arming.unarmed) = (true, 0);
+        match &mut self.arming {
+            Some(arming) if arming.disarms => arming.again = self.now + AGAIN_MS,
+            Some(arming) => (arming.accepted, arming.unarmed) = (true, 0),
+            None => {}
         }
     }
 
@@ -114,9 +190,19 @@ impl FlightVehicle<'_> {
     }
 
     /// What a heartbeat shows of the motors on the ground.
-    pub(super) fn heed_motors(&mut self, beat: Heartbeat, has_begun: bool) {
+    pub(super) fn heed_motors(&mut self, beat: Heartbeat, flight_ms: f64, has_begun: bool) {
         let is_armed = beat.is_armed();
+        if !is_armed {
+            let own_ms = self.own_ms(flight_ms);
+            self.seen_disarmed = Some(SeenDisarmed { flight_ms, own_ms });
+        }
         match &mut self.stage {
+            Stage::Arming if self.arming.is_some_and(|of| of.disarms) => {
+                if let Some(arming) = self.arming.as_mut().filter(|_| !is_armed) {
+                    arming.disarms = false;
+                    self.command(modes::arm(self.of.mission));
+                }
+            }
             Stage::Arming => {
                 let Some(arming) = self.arming.as_mut().filter(|of| of.accepted) else {
                     return;
@@ -173,7 +259,10 @@ impl FlightVehicle<'_> {
                 let due = self.arming.as_mut().filter(|of| is_idle && now >= of.again);
                 if let Some(arming) = due {
                     arming.again = Time(u64::MAX);
-                    self.command(modes::arm(self.of.mission));
+                    match arming.disarms {
+                        true => self.command([modes::disarm()]),
+                        false => self.command(modes::arm(self.of.mission)),
+                    }
                 }
             }
             Stage::Disarming(disarming) if now >= disarming.until => self.stop_disarming(),

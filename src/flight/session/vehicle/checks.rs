@@ -85,6 +85,7 @@ impl FlightVehicle<'_> {
         }
         let bytewise = self.autopilot().conventions().bytewise_parameters;
         let planned = &self.of.mission.params;
+        self.request_disarm_parameter();
         self.settings = Some(SettingsCheck::new(planned, self.set_params, bytewise, now));
         self.stage = Stage::Checking {
             until: now + REPORTING_MS,

@@ -2,13 +2,17 @@
 //! flies on, has landed meanwhile, or never took off.
 
 use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
-use crate::flight::record::Flown;
+use crate::flight::itinerary::progress::Progress;
+use crate::flight::record::Flight;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 
 impl FlightVehicle<'_> {
     /// Takes over everything that was recorded of it; `t0_ms` is T0 on the fleet's clock.
-    pub(in crate::flight::session) fn take_over(&mut self, flown: Flown, t0_ms: f64) {
+    pub(in crate::flight::session) fn take_over(&mut self, recorded: &Flight, t0_ms: f64) {
+        let flown = recorded.flown.clone();
+        self.progress = Progress::recorded(recorded, self.of.mission.airframe);
+        self.progress.forget_news();
         let home_m = f64::from(self.of.mission.home.amsl_m);
         let was_up = |last: &crate::flight::record::Fix| last.amsl.0 - home_m > AIRBORNE_M;
         self.airborne = flown.fixes.iter().any(was_up);

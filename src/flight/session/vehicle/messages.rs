@@ -1,0 +1,248 @@
+//! What a vehicle says: heartbeats, positions, items, texts.
+
+use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
+use crate::autopilot::Version;
+use crate::flight::record::Fix;
+use crate::flight::session::command::pending::is_for;
+use crate::flight::session::end::End;
+use crate::flight::session::modes;
+use crate::link::{
+    AUTOPILOT_INVALID, Address, FlightMessage, Health, Heartbeat, Message, Position, Time,
+};
+use crate::mission::Home;
+
+impl FlightVehicle<'_> {
+    /// Takes in a message of this vehicle. `flight_ms` is the fleet's clock, `t0_ms` its T0.
+    pub(crate) fn handle(
+        &mut self,
+        (now, flight_ms, t0_ms): (Time, f64, Option<f64>),
+        from: Address,
+        message: &Message,
+    ) {
+        match &mut self.stage {
+            Stage::Sending(session) => session.handle(now, from, message),
+            Stage::Reading(reading) => reading.handle(now, from, message),
+            _ => {}
+        }
+        if from.system != self.of.sysid {
+            return;
+        }
+        self.now = now;
+        if let Message::Heartbeat(beat) = message
+            && self.is_autopilot(from, *beat)
+        {
+            self.vehicle = Some((from, *beat));
+        }
+        if self.vehicle.is_none_or(|(autopilot, _)| autopilot != from) {
+            if let Message::StatusText { severity, text } = message
+                && t0_ms.is_some()
+            {
+                self.take_text(
+                    *severity,
+                    &format!("component {} says: {text}", from.component),
+                );
+            }
+            return;
+        }
+        self.heard = now;
+        self.autopilot_message((now, flight_ms, t0_ms), message);
+    }
+
+    fn autopilot_message(
+        &mut self,
+        (now, flight_ms, t0_ms): (Time, f64, Option<f64>),
+        message: &Message,
+    ) {
+        let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
+        match message {
+            Message::Heartbeat(beat) => {
+                self.beat_at = now;
+                self.heed_motors(*beat, flight_ms, t0_ms.is_some());
+                self.heartbeat(*beat);
+            }
+            Message::HomePosition { x, y, amsl_mm } => {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "float32 is what missions have"
+                )]
+                let amsl_m = (f64::from(*amsl_mm) / 1000.0) as f32;
+                let (x, y) = (*x, *y);
+                self.home = Some(Home { x, y, amsl_m });
+            }
+            Message::AutopilotVersion {
+                flight_software, ..
+            } => self.version = Version::of_flight_software(*flight_software).or(self.version),
+            Message::MissionCurrent { seq, total, .. } => {
+                (self.item, self.item_at) = (self.row(*seq), Some(now));
+                let is_known = (1..u16::MAX).contains(total);
+                self.total = is_known.then_some(usize::from(*total));
+            }
+            Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
+                self.warn(text);
+            }
+            Message::StatusText { severity, text } if t0_ms.is_some() => {
+                self.take_text(*severity, &format!("says: {text}"));
+            }
+            Message::Flight(FlightMessage::Health(Health::System(_))) => {
+                self.health_at = Some(now);
+            }
+            Message::Flight(message) => self.flight_message(now, flight_ms, t0_ms, t_s, message),
+            _ => {}
+        }
+    }
+
+    /// Whether a heartbeat is of the autopilot, and not of another component of the vehicle.
+    fn is_autopilot(&self, from: Address, beat: Heartbeat) -> bool {
+        let is_same = |(autopilot, _)| autopilot == from || from.component == 1;
+        beat.autopilot != AUTOPILOT_INVALID && self.vehicle.is_none_or(is_same)
+    }
+
+    fn flight_message(
+        &mut self,
+        now: Time,
+        flight_ms: f64,
+        t0_ms: Option<f64>,
+        t_s: f64,
+        message: &FlightMessage,
+    ) {
+        match message {
+            FlightMessage::Position(position) => {
+                self.position_at = Some(now);
+                self.position(flight_ms, t0_ms, position);
+            }
+            FlightMessage::ItemReached { seq } => {
+                let row = self.row(*seq);
+                let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
+                if flies && self.flown.reach(row, t_s) {
+                    let at = self
+                        .stop_here()
+                        .map_or_else(String::new, |id| format!(" (stop {id})"));
+                    self.said.push_back(format!("item {row} reached{at}"));
+                    self.progress.take_reached(row, t_s);
+                }
+            }
+            FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
+            FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
+            FlightMessage::CommandAck {
+                target,
+                command,
+                result,
+            } if is_for(self.us, *target) => {
+                if let Some(pending) = &mut self.pending {
+                    pending.answered(now, *command, *result);
+                }
+            }
+            FlightMessage::Param { name, value } => {
+                if self.disarm_parameter() == Some(name.as_str()) {
+                    let bytewise = self.autopilot().conventions().bytewise_parameters;
+                    self.disarm_s = Some(f64::from(value.value(bytewise)));
+                }
+                if let Some(settings) = &mut self.settings {
+                    settings.heard(now, name, *value);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// It has taken a picture; of many along the way every tenth is said.
+    fn pictured(&mut self, number: u32) {
+        let is_new = self.pictures != Some(number);
+        self.pictures = Some(number);
+        if is_new && (number <= 3 || number.is_multiple_of(10)) {
+            let at = self
+                .stop_here()
+                .map_or_else(String::new, |id| format!(" (stop {id})"));
+            self.said.push_back(format!("picture {number}{at}"));
+        }
+    }
+
+    /// The stop that it is at.
+    fn stop_here(&self) -> Option<&str> {
+        let (_, fix) = self.latest?;
+        self.progress.stop_at(fix.place)
+    }
+
+    /// The row of a sequence number.
+    fn row(&self, seq: u16) -> usize {
+        usize::from(seq) + usize::from(self.autopilot().first_row())
+    }
+
+    fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
+        if !position.is_known() {
+            return self.note_invalid(position);
+        }
+        self.own_clock = Some((position.boot_ms, flight_ms));
+        let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
+        let fix = Fix {
+            t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
+            place: position.place(),
+            amsl: position.amsl(),
+            speed_mps: position.ground_speed_mps(),
+            item: self.item,
+            items: self.total.unwrap_or(0),
+            boot_ms: Some(position.boot_ms),
+        };
+        let is_later = self.latest.is_none_or(|(before, _)| at_ms > before);
+        if !is_later {
+            return;
+        }
+        self.latest = Some((at_ms, fix));
+        self.is_fresh = true;
+        let is_up = position.above_home_m() > AIRBORNE_M;
+        if is_up {
+            self.heed_takeoff();
+        }
+        if matches!(
+            self.stage,
+            Stage::Flying | Stage::Starting | Stage::Rejoining { .. }
+        ) {
+            if is_up && !self.airborne {
+                self.airborne = true;
+                self.said.push_back("took off".to_owned());
+            }
+            if fix.t_s >= 0.0 {
+                self.flown.fixes.push(fix);
+                self.progress.take(&fix);
+            }
+        }
+    }
+
+    fn heartbeat(&mut self, beat: Heartbeat) {
+        let was = self.in_mission;
+        self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
+        match self.stage {
+            Stage::Flying if !beat.is_armed() => {
+                let end = match (self.airborne, self.instruction) {
+                    (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
+                    (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => {
+                        End::StoppedAfterHold
+                    }
+                    (true, Some(Instruction::Land))
+                        if self.hold.was_in_mode()
+                            || modes::is_land(self.of.mission, beat.custom_mode) =>
+                    {
+                        End::LandedEarly
+                    }
+                    (true, Some(Instruction::Return)) if self.hold.was_in_mode() => self.returned(),
+                    (true, _) => self.landing(),
+                };
+                self.end(end);
+            }
+            Stage::Flying if was && !self.in_mission && self.instruction.is_none() => {
+                // The alarm says by whom.
+                self.left = true;
+            }
+            Stage::Flying
+                if !was && self.in_mission && (self.left || self.instruction.is_some()) =>
+            {
+                self.left = false;
+                self.said.push_back("is on its mission again".to_owned());
+                if self.is_taken_back() {
+                    (self.instruction, self.holds) = (None, false);
+                }
+            }
+            _ => {}
+        }
+    }
+}
