@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use super::lattice::Window;
-use super::plane::PlaneLattice;
+use super::plane::{PlaneLattice, Projection};
 use super::{Bounds, Lattice, MAX_NODES, Source, TerrainError, mosaic, name_of};
 use crate::geodesy::LatLon;
 use crate::world::TerrainGrid;
@@ -27,6 +27,36 @@ pub(super) enum Nodes {
 }
 
 impl Nodes {
+    /// The nodes of a grid by its first one, the north-western, the steps between columns and between
+    /// rows, and its rows and columns; in degrees of WGS84 without a projection.
+    ///
+    /// # Errors
+    /// Nodes that are nowhere on earth.
+    pub(super) fn of(
+        projection: Option<Projection>,
+        first: (f64, f64),
+        step: (f64, f64),
+        (rows, columns): (usize, usize),
+    ) -> Result<Self, TerrainError> {
+        let Some(projection) = projection else {
+            return Lattice::on_earth(first, step, (rows, columns)).map(Self::Degrees);
+        };
+        let lattice = PlaneLattice {
+            projection,
+            first,
+            step,
+            rows,
+            columns,
+        };
+        match lattice.extent() {
+            Some(_) => Ok(Self::Plane(Box::new(lattice))),
+            None => Err(TerrainError::Layout(format!(
+                "pixels at {}, {}, which are nowhere on earth",
+                first.0, first.1
+            ))),
+        }
+    }
+
     fn window(&self, bounds: Option<Bounds>) -> Result<Window, TerrainError> {
         match self {
             Self::Degrees(lattice) => lattice.window(bounds),
