@@ -7,7 +7,7 @@ mod task;
 
 pub(crate) use buffers::BufferedLimit;
 pub use buffers::Buffers;
-pub use elevation::{ELEVATION_ENDINGS, elevation_command, shell_word};
+pub use elevation::{ELEVATION_ENDINGS, elevation_command};
 pub use sweep::{SearchPattern, Sensor, Sweep, SweepShape};
 pub use task::{MAX_TASKS, Task};
 

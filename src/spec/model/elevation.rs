@@ -1,5 +1,7 @@
 //! Elevation files by their names.
 
+use crate::numeric::text::shell_word;
+
 /// How the names of elevation files end, in lower case.
 pub const ELEVATION_ENDINGS: [&str; 7] = [
     ".hgt", ".hgt.gz", ".hgt.zip", ".tif", ".tiff", ".asc", ".png",
@@ -30,33 +32,5 @@ pub fn elevation_command(name: &str) -> Option<String> {
             Some(format!("`gdal_translate {old} {new}` converts it"))
         }
         _ => None,
-    }
-}
-
-/// A file name as one word of a shell.
-#[must_use]
-pub fn shell_word(name: &str) -> String {
-    let is_plain = |sign: char| sign.is_alphanumeric() || "._/-+:@,".contains(sign);
-    match !name.is_empty() && !name.starts_with('-') && name.chars().all(is_plain) {
-        true => name.to_owned(),
-        false => format!("'{}'", name.replace('\'', r"'\''")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_is_one_word_of_a_shell() {
-        for (name, word) in [
-            ("tiles/dem-1.tif", "tiles/dem-1.tif"),
-            ("my dem.tif", "'my dem.tif'"),
-            ("it's.tif", r"'it'\''s.tif'"),
-            ("-rf.tif", "'-rf.tif'"),
-            ("$(x).tif", "'$(x).tif'"),
-        ] {
-            assert_eq!(shell_word(name), word);
-        }
     }
 }

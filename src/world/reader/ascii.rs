@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 
 use super::blend::Nodes;
 use super::geotiff::check_sidecar;
-use super::plane::Projection;
+use super::lattice::Raster;
 use super::{TerrainError, Window, ground_m, prj};
+use crate::geodesy::Projection;
 use crate::numeric::text::open_regular;
 
 /// What stands for no data where the header does not say.
@@ -48,11 +49,16 @@ impl AsciiGrid {
         check_sidecar(path, Some(&header.no_data.to_string()))?;
         let (east, north) = header.south_west;
         let above = count(header.rows - 1) * header.step.1;
-        let size = (header.rows, header.columns);
+        let raster = Raster {
+            first: (east, north + above),
+            step: header.step,
+            rows: header.rows,
+            columns: header.columns,
+        };
         let system = projection.as_ref().map(Projection::name);
         Ok(Self {
             path: path.to_owned(),
-            nodes: Nodes::of(projection, (east, north + above), header.step, size)?,
+            nodes: Nodes::of(projection, raster)?,
             header,
             system: system.unwrap_or_else(|| "WGS84".to_owned()),
         })

@@ -6,10 +6,10 @@
 
 use std::path::Path;
 
-use super::lattice::Window;
-use super::plane::{PlaneLattice, Projection};
+use super::lattice::{Raster, Window};
+use super::plane::PlaneLattice;
 use super::{Bounds, Lattice, MAX_NODES, Source, TerrainError, mosaic, name_of};
-use crate::geodesy::LatLon;
+use crate::geodesy::{LatLon, Projection};
 use crate::world::TerrainGrid;
 
 /// Spacing of the new grid in that of the finest file.
@@ -27,32 +27,26 @@ pub(super) enum Nodes {
 }
 
 impl Nodes {
-    /// The nodes of a grid by its first one, the north-western, the steps between columns and between
-    /// rows, and its rows and columns; in degrees of WGS84 without a projection.
+    /// The nodes of a raster in a projection, in degrees of WGS84 without one.
     ///
     /// # Errors
     /// Nodes that are nowhere on earth.
-    pub(super) fn of(
-        projection: Option<Projection>,
-        first: (f64, f64),
-        step: (f64, f64),
-        (rows, columns): (usize, usize),
-    ) -> Result<Self, TerrainError> {
+    pub(super) fn of(projection: Option<Projection>, raster: Raster) -> Result<Self, TerrainError> {
         let Some(projection) = projection else {
-            return Lattice::on_earth(first, step, (rows, columns)).map(Self::Degrees);
+            return Lattice::on_earth(raster).map(Self::Degrees);
         };
         let lattice = PlaneLattice {
             projection,
-            first,
-            step,
-            rows,
-            columns,
+            first: raster.first,
+            step: raster.step,
+            rows: raster.rows,
+            columns: raster.columns,
         };
         match lattice.extent() {
             Some(_) => Ok(Self::Plane(Box::new(lattice))),
             None => Err(TerrainError::Layout(format!(
                 "pixels at {}, {}, which are nowhere on earth",
-                first.0, first.1
+                raster.first.0, raster.first.1
             ))),
         }
     }

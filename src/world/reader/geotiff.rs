@@ -14,8 +14,9 @@ pub(super) use meaning::check_sidecar;
 use vertical::check_heights;
 
 use super::blend::Nodes;
-use super::plane::Projection;
+use super::lattice::Raster;
 use super::{TerrainError, UNSTATED_M, Window, ground_m};
+use crate::geodesy::Projection;
 use crate::numeric::text::open_regular;
 
 const EPSG_WGS84: u16 = 4326;
@@ -53,8 +54,13 @@ impl GeoTiff {
         Ok(Self {
             nodes: {
                 let (first, step) = steps(&file)?;
-                let size = (size(file.height())?, size(file.width())?);
-                Nodes::of(projection, first, step, size)?
+                let raster = Raster {
+                    first,
+                    step,
+                    rows: size(file.height())?,
+                    columns: size(file.width())?,
+                };
+                Nodes::of(projection, raster)?
             },
             meaning: SampleMeaning::read(&file, path)?,
             file,

@@ -4,6 +4,17 @@ use super::{Bounds, MAX_NODES, TerrainError};
 use crate::geodesy::LatLon;
 use crate::world::TerrainGrid;
 
+/// Rows from north to south and columns from west to east, in the units of some system.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Raster {
+    /// East and north of the first node.
+    pub(super) first: (f64, f64),
+    /// Between columns and rows, both positive.
+    pub(super) step: (f64, f64),
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+}
+
 /// The nodes of a file: where they are, before any height is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lattice {
@@ -24,16 +35,14 @@ pub(super) struct Window {
 }
 
 impl Lattice {
-    /// The nodes of a grid in degrees by longitude and latitude of its first one, and the steps between
-    /// columns and between rows.
+    /// The nodes of a raster in degrees.
     ///
     /// # Errors
     /// Nodes that are nowhere on earth.
-    pub(super) fn on_earth(
-        (mut lon_deg, lat_deg): (f64, f64),
-        (column_step_deg, row_step_deg): (f64, f64),
-        (rows, columns): (usize, usize),
-    ) -> Result<Self, TerrainError> {
+    pub(super) fn on_earth(raster: Raster) -> Result<Self, TerrainError> {
+        let Raster { rows, columns, .. } = raster;
+        let (mut lon_deg, lat_deg) = raster.first;
+        let (column_step_deg, row_step_deg) = raster.step;
         if lon_deg >= 180.0 {
             lon_deg -= 360.0;
         }

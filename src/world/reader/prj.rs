@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use super::TerrainError;
-use super::plane::Projection;
+use crate::geodesy::Projection;
 use crate::numeric::text::read_regular;
 
 /// Deepest nesting of well-known text.
@@ -126,8 +126,8 @@ impl<'a> Node<'a> {
     }
 
     fn is_one_of(&self, keywords: &[&str]) -> bool {
-        let is = |keyword: &&str| keyword.eq_ignore_ascii_case(self.keyword);
-        keywords.iter().any(|keyword| is(keyword))
+        let mut keywords = keywords.iter();
+        keywords.any(|keyword| keyword.eq_ignore_ascii_case(self.keyword))
     }
 
     /// The systems that a compound one is made of; itself if it is none.

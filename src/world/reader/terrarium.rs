@@ -9,8 +9,9 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use super::blend::Nodes;
-use super::plane::{PlaneLattice, Projection};
+use super::plane::PlaneLattice;
 use super::{Bounds, TerrainError, Window, ground_m, mosaic, name_of};
+use crate::geodesy::Projection;
 use crate::numeric::text::open_regular;
 
 /// Half the width of the square of Web Mercator, metres.
