@@ -46,6 +46,8 @@ pub enum Rejected {
     NaN,
     /// This number.
     Equal(u8),
+    /// What is no whole number from the first to the second.
+    Beyond(i16, i16),
 }
 
 impl Rejected {
@@ -55,6 +57,10 @@ impl Rejected {
         match self {
             Self::NaN => value.is_nan(),
             Self::Equal(number) => (value - f32::from(number)).abs() <= 0.0,
+            Self::Beyond(first, last) => {
+                let range = f32::from(first)..=f32::from(last);
+                !range.contains(&value) || value.fract() != 0.0
+            }
         }
     }
 
@@ -64,6 +70,7 @@ impl Rejected {
         match self {
             Self::NaN => "a number".to_owned(),
             Self::Equal(number) => format!("any number except {number}"),
+            Self::Beyond(first, last) => format!("a whole number from {first} to {last}"),
         }
     }
 }
@@ -184,6 +191,21 @@ const NO_ROI_LOCATION: &[ParamRule] = &[ParamRule {
     source: "PX4 mavlink_mission.cpp",
 }];
 
+/// Ids of systems and components are bytes: PX4 cuts others down, and another one takes the gimbal.
+/// -1 leaves who controls it, -2 takes it for the autopilot, -3 releases it.
+const fn gimbal_id(param: u8) -> ParamRule {
+    ParamRule {
+        param,
+        rejected: Rejected::Beyond(-3, 255),
+        frame: None,
+        versions: VersionRange::ALL,
+        source: "MAVLink MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE, PX4 input_mavlink.cpp",
+    }
+}
+
+/// `DO_GIMBAL_MANAGER_CONFIGURE`: system and component of the primary and the secondary control.
+const GIMBAL_IDS: &[ParamRule] = &[gimbal_id(1), gimbal_id(2), gimbal_id(3), gimbal_id(4)];
+
 const fn row(
     (command, name): (u16, &'static str),
     motion: Motion,
@@ -286,7 +308,7 @@ pub static COMMANDS: &[CommandRow] = &[
     ardupilot((600, "JUMP_TAG"), NoMotion),
     ardupilot((601, "DO_JUMP_TAG"), Moves),
     both((1000, "DO_GIMBAL_MANAGER_PITCHYAW"), NoMotion),
-    px4((1001, "DO_GIMBAL_MANAGER_CONFIGURE"), NoMotion),
+    row((1001, "DO_GIMBAL_MANAGER_CONFIGURE"), NoMotion, None, Some(ACTION.but(GIMBAL_IDS))),
     both((2000, "IMAGE_START_CAPTURE"), NoMotion),
     both((2001, "IMAGE_STOP_CAPTURE"), NoMotion),
     px4((2003, "DO_TRIGGER_CONTROL"), Moves),

@@ -1,13 +1,13 @@
 //! `sortie check`: the spec alone.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::args;
 use super::print::console::{note, out};
 use super::print::failure::Failure;
 use crate::mission;
 use crate::path::lean_note;
-use crate::spec::{Document, MissionSpec, SpecFile, Survey, Vehicle};
+use crate::spec::{Document, MissionSpec, SpecFile, Survey, Vehicle, dome_of};
 use crate::verify;
 use crate::world::{self, Stations, World};
 
@@ -26,9 +26,9 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
                 let fleet = spec.vehicles.iter().zip(&world.stations);
                 needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
                 needs.extend(fences(spec));
-                let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
                 surveys.clone_from(&file.surveys);
-                ("", vehicles, threats, spec.no_fly.len())
+                let (threats, zones) = threats_and_zones(spec);
+                ("", spec.vehicles.len(), threats, zones)
             }
             Document::Scenario(scenario) => {
                 let (vehicles, threats) = (scenario.vehicles.len(), scenario.threats.len());
@@ -60,6 +60,13 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     Ok(())
 }
 
+/// How many there are: a dome is one threat, and its layers are no zones.
+fn threats_and_zones(spec: &MissionSpec) -> (usize, usize) {
+    let domes: BTreeSet<&str> = spec.no_fly.iter().filter_map(dome_of).collect();
+    let zones = spec.no_fly.iter().filter(|zone| dome_of(zone).is_none());
+    (spec.threats.len() + domes.len(), zones.count())
+}
+
 /// Warns of speeds that need more lean than a stock vehicle has or that its autopilot does not keep, of
 /// landings with the wind, of places far outside of the area, of files that forbid nothing or would
 /// with their coordinates exchanged, and of values that look like another unit.
@@ -70,10 +77,13 @@ pub(super) fn warn(file: &SpecFile, world: &World) {
         .flat_map(|(vehicle, of)| {
             let lean = lean_note(spec, vehicle, vehicle.speeds().most);
             let airspeed = vehicle.airspeed_note();
-            (lean.into_iter().chain(airspeed)).chain(vehicle.landing_note(of.landing_rad))
+            let energy = vehicle.energy_note();
+            let speeds = lean.into_iter().chain(airspeed).chain(energy);
+            speeds.chain(vehicle.landing_note(of.landing_rad))
         })
         .collect();
     texts.extend(file.surveys.iter().filter_map(survey_warning));
+    texts.extend(file.surveys.iter().flat_map(unmatched_warnings));
     texts.extend(verify::distant_from_area(spec, &[]));
     texts.extend(world::unit_warnings(spec, world));
     for text in texts {
@@ -98,6 +108,21 @@ fn survey_warning(survey: &Survey) -> Option<String> {
     is_empty.then(|| format!("{}: no zone or obstacle is in it", survey.file))
 }
 
+/// That `skip` or `only` asks for what a file does not have.
+fn unmatched_warnings(survey: &Survey) -> Vec<String> {
+    let unmatched = survey.unmatched.iter().map(|(word, meant)| {
+        let like = meant
+            .as_ref()
+            .map(|meant| format!(": did you mean `{meant}`?"));
+        let file = &survey.file;
+        format!(
+            "{file}: nothing in it is `{word}`{}",
+            like.unwrap_or_default()
+        )
+    });
+    unmatched.collect()
+}
+
 /// The course of a landing that was found.
 fn landing_course(vehicle: &Vehicle, stations: &Stations) -> Option<String> {
     let note = mission::landing_course_note(vehicle, stations)?;
@@ -118,16 +143,16 @@ fn fences(spec: &MissionSpec) -> Vec<String> {
     }
     let lines = kinds.into_iter().filter_map(|((keeps, reach_bits), vehicles)| {
         let first = vehicles.first()?;
-        let others = match vehicles.len() - 1 {
-            0 => String::new(),
-            more => format!(" and {more} more"),
+        let (others, verb) = match vehicles.len() - 1 {
+            0 => (String::new(), "keeps"),
+            more => (format!(" and {more} more"), "keep"),
         };
         let how = match first.fence_points {
             Some(_) => "fence_points",
             None => first.facts().firmware,
         };
         let mut line = format!(
-            "  fence: needs {needs} items, {}{others} keeps {keeps} ({how})",
+            "  fence: needs {needs} items, {}{others} {verb} {keeps} ({how})",
             first.id
         );
         if needs > keeps {

@@ -80,7 +80,7 @@ impl Run<'_> {
 }
 
 /// Most assignments of tasks that are planned.
-const ASSIGNMENTS: usize = 8;
+const ASSIGNMENTS: usize = 4;
 
 /// Plans the fleet, and plans again the vehicles that fail, with stricter margins.
 ///

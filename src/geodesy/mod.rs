@@ -4,9 +4,11 @@ mod altitude;
 mod atmosphere;
 mod frame;
 mod geoid;
+mod projection;
 
 pub use altitude::{AboveHome, Agl, Amsl, Ellipsoid};
 pub use atmosphere::{flight_level, true_airspeed_ratio};
 pub(crate) use frame::EARTH_RADIUS_M;
 pub use frame::{EastNorth, GeodesyError, LatLon, LocalFrame, PlanPoint, bend_m};
 pub use geoid::Geoid;
+pub use projection::Projection;

@@ -67,9 +67,48 @@ pub fn read_regular(path: &Path) -> io::Result<String> {
     Ok(text)
 }
 
+/// A file name as one word of a shell.
+#[must_use]
+pub fn shell_word(name: &str) -> String {
+    let is_plain = |sign: char| sign.is_alphanumeric() || "._/-+:@,".contains(sign);
+    match !name.is_empty() && !name.starts_with('-') && name.chars().all(is_plain) {
+        true => name.to_owned(),
+        false => format!("'{}'", name.replace('\'', r"'\''")),
+    }
+}
+
+/// The known word that is most like an unknown one, if any is.
+pub fn meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> Option<&'a str> {
+    // Two of three letters are the same at least.
+    const LIKE: f64 = 0.67;
+    // The unit was forgotten, or another one written.
+    let goes_on = |long: &str, short: &str| {
+        long.strip_prefix(short)
+            .is_some_and(|unit| unit.starts_with('_'))
+    };
+    let all = known.clone().into_iter();
+    let with_unit = all.filter(|known| goes_on(known, word) || goes_on(word, known));
+    if let Some(shortest) = with_unit.min_by_key(|known| known.len()) {
+        return Some(shortest);
+    }
+    let like = |known: &&str| {
+        let (word, known) = (word.to_lowercase(), known.to_lowercase());
+        strsim::normalized_damerau_levenshtein(&word, &known)
+    };
+    known
+        .into_iter()
+        .filter(|known| like(known) >= LIKE)
+        .max_by(|a, b| like(a).total_cmp(&like(b)))
+}
+
+/// A question for the word that was meant, to follow what was found; empty without one.
+pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
+    meant(word, known).map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{escaped, escaped_except};
+    use super::{escaped, escaped_except, shell_word};
 
     #[test]
     fn characters_that_command_a_terminal_or_hide_are_written_out() {
@@ -87,5 +126,18 @@ mod tests {
         let text = "Übung 12\u{202f}345 m, Север, 東京, −5°\u{2002}\u{fe0f}";
         assert_eq!(escaped(text), text);
         assert_eq!(escaped_except("a\nb\tc\r", |c| c == '\n'), "a\nb\\tc\\r");
+    }
+
+    #[test]
+    fn a_name_is_one_word_of_a_shell() {
+        for (name, word) in [
+            ("tiles/dem-1.tif", "tiles/dem-1.tif"),
+            ("my dem.tif", "'my dem.tif'"),
+            ("it's.tif", r"'it'\''s.tif'"),
+            ("-rf.tif", "'-rf.tif'"),
+            ("$(x).tif", "'$(x).tif'"),
+        ] {
+            assert_eq!(shell_word(name), word);
+        }
     }
 }

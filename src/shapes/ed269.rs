@@ -74,6 +74,7 @@ fn shape(name: &str, feature: &Value, volume: &Value) -> Result<Shape, String> {
         active: hull(feature.get("applicability"))?,
         keep_in: false,
         numbers: Vec::new(),
+        lists: Vec::new(),
         geometry,
     })
 }

@@ -71,6 +71,7 @@ fn shape(name: String, geometry: Geometry, keep_in: bool) -> Shape {
         active: (None, None),
         keep_in,
         numbers: Vec::new(),
+        lists: Vec::new(),
     }
 }
 

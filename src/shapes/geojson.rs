@@ -3,6 +3,7 @@
 use ::geojson::{Feature, GeoJson, GeometryValue, JsonObject, Position};
 use serde_json::Value;
 
+use super::crs::System;
 use super::heights::{Side, floor, height, metres};
 use super::periods::{Period, hull};
 use super::{
@@ -15,14 +16,21 @@ pub(super) fn read(text: &str) -> Result<Collection, ShapesError> {
     let root: GeoJson = text
         .parse()
         .map_err(|error: ::geojson::Error| malformed("GeoJSON", error))?;
-    let features = match root {
-        GeoJson::FeatureCollection(all) => all.features,
+    let mut system = System::Degrees;
+    let mut features = match root {
+        GeoJson::FeatureCollection(all) => {
+            system = System::within(all.foreign_members.as_ref(), &system)?;
+            all.features
+        }
         GeoJson::Feature(one) => vec![one],
         GeoJson::Geometry(geometry) => vec![Feature {
             geometry: Some(geometry),
             ..Feature::default()
         }],
     };
+    for feature in &mut features {
+        system.apply(feature)?;
+    }
     let mut collection = Collection::default();
     for (index, feature) in features.iter().enumerate() {
         let properties = feature.properties.clone().unwrap_or_default();
@@ -115,6 +123,10 @@ fn shapes(
         .iter()
         .filter_map(|(key, value)| Some((key.clone(), value.as_f64()?)))
         .collect();
+    let lists: Vec<(String, Vec<f64>)> = properties
+        .iter()
+        .filter_map(|(key, value)| Some((key.clone(), list(value)?)))
+        .collect();
     let outlines = outlines(&geometry.value, extent, properties)?;
     let count = outlines.len();
     let shape = |(index, geometry): (usize, Geometry)| {
@@ -138,10 +150,17 @@ fn shapes(
             active,
             keep_in: properties.get("keep_in") == Some(&Value::Bool(true)),
             numbers: numbers.clone(),
+            lists: lists.clone(),
             geometry,
         })
     };
     outlines.into_iter().enumerate().map(shape).collect()
+}
+
+/// A list of numbers, and at least one.
+fn list(of: &Value) -> Option<Vec<f64>> {
+    let numbers: Option<Vec<f64>> = of.as_array()?.iter().map(Value::as_f64).collect();
+    numbers.filter(|numbers| !numbers.is_empty())
 }
 
 fn active(properties: &JsonObject) -> Result<Period, String> {

@@ -139,6 +139,7 @@ fn shape(name: &str, geometry: &KmlGeometry) -> Result<Shape, String> {
         active: (None, None),
         keep_in: false,
         numbers: Vec::new(),
+        lists: Vec::new(),
     })
 }
 

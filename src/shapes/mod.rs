@@ -6,6 +6,7 @@
 //! ground or without end. Where a file is less exact than a shape can be, the shape is larger:
 //! a weekly schedule counts as always, several periods as one.
 
+mod crs;
 mod ed269;
 mod fence;
 mod geojson;
@@ -23,6 +24,7 @@ pub use write::{Format, Rewritten, write, write_as};
 use jiff::Timestamp;
 
 use crate::geodesy::LatLon;
+use crate::numeric::text::shell_word;
 
 /// One shape of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +45,8 @@ pub struct Shape {
     pub keep_in: bool,
     /// Its properties that are numbers, such as the height of a mast.
     pub numbers: Vec<(String, f64)>,
+    /// Its properties that are lists of numbers, such as the heights of the masts of a line.
+    pub lists: Vec<(String, Vec<f64>)>,
 }
 
 /// The outline of a shape. Edges are straight in latitude and longitude.
@@ -105,6 +109,19 @@ pub enum ShapesError {
     /// The ending of the name is none of [`ENDINGS`].
     #[error("`{0}` is no file of shapes: allowed are {list}", list = ENDINGS.join(", "))]
     Ending(String),
+    /// The coordinates are in a system that does not lead to WGS84.
+    #[error(
+        "coordinates in {0} (allowed: WGS84, or an EPSG code with a way to it that needs no grid of shifts)"
+    )]
+    Crs(String),
+    /// A file that a command turns into one that can be read.
+    #[error("{error}; `{command}` converts it")]
+    Convertible {
+        /// Why it cannot be read.
+        error: Box<ShapesError>,
+        /// The command.
+        command: String,
+    },
     /// The bytes are not what the name says.
     #[error("not a {format} file: {why}")]
     Malformed {
@@ -150,10 +167,23 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Collection, ShapesError> {
         let text = text("JSON", bytes)?;
         match ed269::read(&text)? {
             Some(collection) => Ok(collection),
-            None => geojson::read(&text),
+            None => geojson::read(&text).map_err(|error| with_command(name, error)),
         }
     } else {
         Err(ShapesError::Ending(name.to_owned()))
+    }
+}
+
+/// The error with the command that helps, if one does.
+fn with_command(name: &str, error: ShapesError) -> ShapesError {
+    if !matches!(error, ShapesError::Crs(_)) {
+        return error;
+    }
+    let new = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let (old, new) = (shell_word(name), shell_word(&format!("{new}.new.geojson")));
+    ShapesError::Convertible {
+        error: Box::new(error),
+        command: format!("ogr2ogr -f GeoJSON -lco RFC7946=YES -t_srs EPSG:4326 {new} {old}"),
     }
 }
 

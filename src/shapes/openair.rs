@@ -98,6 +98,7 @@ fn shape(name: &str, airspace: &Airspace, block: &str) -> Result<Shape, String> 
         active: active(airspace)?,
         keep_in: false,
         numbers: Vec::new(),
+        lists: Vec::new(),
     })
 }
 
@@ -119,6 +120,10 @@ fn height(of: &Altitude, metres: Option<f64>) -> Result<Height, String> {
         Altitude::FeetAmsl(feet) => Ok(Height::Amsl(in_metres(*feet))),
         Altitude::FeetAgl(feet) => Ok(Height::Agl(in_metres(*feet))),
         Altitude::FlightLevel(level) => Ok(Height::FlightLevel(f64::from(*level))),
+        Altitude::Other(text) => Err(format!(
+            "a height `{}` that cannot be read",
+            text.escape_debug()
+        )),
         other => Err(format!("a height `{other}` that cannot be read")),
     }
 }

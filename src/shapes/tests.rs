@@ -277,6 +277,7 @@ fn to_write() -> [Shape; 3] {
         active: (None, None),
         keep_in: false,
         numbers: Vec::new(),
+        lists: Vec::new(),
     };
     let hole = [(47.06, -8.15), (47.07, -8.15), (47.07, -8.14)];
     let outer = [(47.0, -8.2), (47.1, -8.2), (47.1, -8.1)];
@@ -304,6 +305,21 @@ fn heights_of_openair_in_metres_are_not_rounded_to_feet() {
     let low = named(&read, "low");
     assert_eq!(low.floor, Some(Height::Amsl(152.0)));
     assert_eq!(low.ceiling, Some(Height::Agl(1501.0)));
+}
+
+#[test]
+fn a_height_of_openair_that_cannot_be_read_is_quoted_as_it_stands() {
+    let text = "AC D\nAN TMA\nAH 12 parsecs\nAL GND\nV X=47:00:00 N 008:00:00 E\nDC 1\n";
+    let found = shapes("x.txt", text);
+    assert_eq!(found.refused.len(), 1, "{found:?}");
+    let why = "a height `12 parsecs` that cannot be read";
+    assert_eq!(
+        (
+            found.refused[0].name.as_str(),
+            found.refused[0].why.as_str()
+        ),
+        ("TMA", why)
+    );
 }
 
 #[test]

@@ -96,6 +96,9 @@ fn feature(shape: &Shape) -> Feature {
     for (key, number) in &shape.numbers {
         properties.insert(key.clone(), (*number).into());
     }
+    for (key, numbers) in &shape.lists {
+        properties.insert(key.clone(), numbers.clone().into());
+    }
     if let Geometry::Circle { radius_m, .. } = shape.geometry {
         properties.insert("radius_m".to_owned(), radius_m.into());
     }

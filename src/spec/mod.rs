@@ -52,7 +52,7 @@ pub use model::{
     Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MAX_TASKS,
     MOST_CONTROL_POINTS, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally,
     SearchPattern, Sensor, Separation, Sweep, SweepShape, THREAT_RADIUS_M, Task, TerrainSource,
-    Threat, Weights,
+    Threat, Weights, elevation_command,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;

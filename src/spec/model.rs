@@ -1,11 +1,13 @@
 //! The checked spec. A [`MissionSpec`] holds values that passed every check without the ground.
 
 mod buffers;
+mod elevation;
 mod sweep;
 mod task;
 
 pub(crate) use buffers::BufferedLimit;
 pub use buffers::Buffers;
+pub use elevation::{ELEVATION_ENDINGS, elevation_command};
 pub use sweep::{SearchPattern, Sensor, Sweep, SweepShape};
 pub use task::{MAX_TASKS, Task};
 
@@ -172,9 +174,6 @@ pub enum TerrainSource {
         hills: Vec<Hill>,
     },
 }
-
-/// How the names of elevation files end, in lower case.
-pub const ELEVATION_ENDINGS: [&str; 5] = [".hgt", ".hgt.gz", ".hgt.zip", ".tif", ".tiff"];
 
 /// A Gaussian hill of an analytic terrain: `height * exp(-(d/radius)^2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,6 +7,7 @@ mod layer;
 mod load;
 mod mounds;
 mod reader;
+mod sunken_zones;
 mod terrain;
 mod unit_warnings;
 mod zone;

@@ -1,6 +1,6 @@
 //! Values of a spec that are allowed, and that look as if they were in another unit.
 
-use super::World;
+use super::{World, sunken_zones};
 use crate::numeric::digits::plain;
 use crate::spec::{MissionSpec, Vehicle};
 
@@ -17,8 +17,8 @@ const FAST_MPS: (f64, f64) = (20.0, 40.0);
 /// Nothing is flown in more wind, m/s.
 const STORM_MPS: f64 = 20.0;
 
-/// Warnings of a spec: ceilings that look like feet, slopes that look like radians, speeds that look
-/// like km/h; each with its key and what the value would be.
+/// Warnings of a spec: ceilings that look like feet or are under the ground, slopes that look like
+/// radians, speeds that look like km/h; each with its key and what the value would be.
 #[must_use]
 pub fn unit_warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -59,6 +59,7 @@ pub fn unit_warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
             ));
         }
     }
+    warnings.extend(sunken_zones::warnings(spec, world));
     warnings.extend(spec.vehicles.iter().flat_map(of_vehicle));
     let wind = spec.wind.filter(|wind| wind.speed_mps > STORM_MPS);
     warnings.extend(wind.map(|wind| as_kmh("wind.speed_mps", wind.speed_mps)));

@@ -44,17 +44,20 @@ impl PlanZone {
     /// longer on both sides. A ceiling above ground that has no elevation counts as none.
     #[must_use]
     pub fn new(outline: Polygon<f64>, zone: &Zone, slack_s: f64, terrain: &Terrain) -> Self {
-        let from_base = |of: Placement| match (of, zone.base) {
-            (Placement::Agl(agl), Some(base)) => {
-                let ground = terrain.height(base).ok()?;
-                Some(Placement::Amsl(Amsl(ground.0 + agl.0)))
+        let from_bases = |of: Placement| match of {
+            Placement::Agl(agl) if !zone.bases.is_empty() => {
+                let mut highest_m = f64::NEG_INFINITY;
+                for base in &zone.bases {
+                    highest_m = highest_m.max(terrain.height(*base).ok()?.0);
+                }
+                Some(Placement::Amsl(Amsl(highest_m + agl.0)))
             }
-            (of, _) => Some(of),
+            of => Some(of),
         };
         Self {
             is_whole: zone.holes.is_empty(),
             floor: zone.floor,
-            ceiling: zone.ceiling.and_then(from_base),
+            ceiling: zone.ceiling.and_then(from_bases),
             active_s: zone
                 .active_s
                 .map(|(from_s, to_s)| (from_s - slack_s, to_s + slack_s)),

@@ -69,6 +69,102 @@ fn check_lists_what_a_feed_holds_and_what_its_fence_needs() {
 }
 
 #[test]
+fn a_zone_whose_ceiling_is_under_the_ground_is_warned_of_by_check_and_plan() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("feed.json"), feed(1)).unwrap();
+    let of = |ceiling: &str| {
+        let zone = format!(
+            "zones:\n  - {{id: ctr, circle: {{lat: 36.30, lon: -84.20, radius_m: 400}}, ceiling: {{{ceiling}}}}}\n"
+        );
+        let spec = SPEC.replace("vehicles:", &format!("{zone}vehicles:"));
+        fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+        let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+        assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+        text(&checked.stderr)
+    };
+    let warning = "warning: zone ctr closes nothing: its ceiling of 120 m above mean sea level is under the ground, which \
+                   is at 400 m or more there; is it in feet, or above the ground (agl_m)?";
+    assert!(!of("amsl_m: 401").contains("closes nothing"));
+    assert!(!of("agl_m: 120").contains("closes nothing"));
+    assert!(of("amsl_m: 120").contains(warning));
+    let planned = sortie(folder.path(), &["plan", "zones.yaml"]);
+    assert!(
+        text(&planned.stderr).contains(warning),
+        "{}",
+        text(&planned.stderr)
+    );
+}
+
+#[test]
+fn names_of_skip_and_only_that_nothing_has_are_warned_of_with_what_was_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    let feed = feed(3).replace("\"Z2\"", "\"STADIUM NORTH\"");
+    fs::write(folder.path().join("feed.json"), feed).unwrap();
+    let named = "airspace: [{file: feed.json, skip: [Z1, STADIUM NROTH, fair], only: {class: [PROHIBITD, prohibited]}}]";
+    let spec = SPEC.replace("airspace: [{file: feed.json}]", named);
+    fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+    let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+    let (out, err) = (text(&checked.stdout), text(&checked.stderr));
+    assert!(
+        out.contains("feed.json: 2 zones, 1 left out by only or skip"),
+        "{out}"
+    );
+    for line in [
+        "warning: feed.json: nothing in it is `STADIUM NROTH`: did you mean `STADIUM NORTH`?\n",
+        "warning: feed.json: nothing in it is `fair`\n",
+        "warning: feed.json: nothing in it is `PROHIBITD`: did you mean `PROHIBITED`?\n",
+    ] {
+        assert!(err.contains(line), "{err}");
+    }
+    assert_eq!(err.matches("nothing in it").count(), 3, "{err}");
+}
+
+#[test]
+fn check_counts_a_dome_as_one_threat_and_two_vehicles_keep() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("feed.json"), feed(2)).unwrap();
+    let spec = SPEC.replace(
+        "vehicles:",
+        "threats: [{id: radar, kind: radar, lat: 36.3, lon: -84.3, radius_m: 500, shape: dome},
+  {id: crane, kind: mast, lat: 36.31, lon: -84.25, radius_m: 100}]
+vehicles:
+  - {id: bravo, sysid: 2, autopilot: ardupilot, link: sim, start: {lat: 36.27, lon: -84.35, agl_m: 80},
+     goal: {lat: 36.37, lon: -84.15, agl_m: 80}, finish: land, speed_mps: 15}",
+    );
+    fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+    let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+    let out = text(&checked.stdout);
+    assert!(
+        out.contains("2 vehicles, 2 threats, 2 no-fly zones"),
+        "{out}"
+    );
+    assert!(out.contains("bravo and 1 more keep 70"), "{out}");
+}
+
+/// A table of powers from 5 to 12 m/s.
+#[test]
+fn a_table_of_powers_that_does_not_cover_the_planned_speed_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("feed.json"), feed(1)).unwrap();
+    let with = |cruise: &str| {
+        let energy =
+            format!("speed_mps: 15, endurance: {{energy: {{wh: 500, hover_w: 300{cruise}}}}}}}");
+        let spec = SPEC.replace("speed_mps: 15}", &energy);
+        fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+        let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+        assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+        text(&checked.stderr)
+    };
+    let warning = "warning: alpha: 15 m/s is planned, and endurance.energy.cruise covers 0 to 12 m/s; power grows there \
+                   with the cube of speed: state a power for it";
+    let short = with(", cruise: [[5, 250], [12, 310]]");
+    assert!(short.contains(warning), "{short}");
+    for cruise in ["", ", cruise: [[5, 250], [15, 400]]"] {
+        assert!(!with(cruise).contains("is planned, and"), "{cruise}");
+    }
+}
+
+#[test]
 fn plan_lists_what_the_fence_leaves_out_with_its_distance() {
     let folder = tempfile::tempdir().unwrap();
     let spec = SPEC.replace("speed_mps: 15", "speed_mps: 9, fence_points: 10");

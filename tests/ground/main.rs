@@ -5,6 +5,7 @@ mod support;
 
 mod geodesy_truth;
 mod geotiff_tags;
+mod other_formats;
 mod projections;
 mod terrain;
 mod terrain_commands;

@@ -166,7 +166,7 @@ fn tiles_of_another_size_or_name_are_errors() {
         Err(TerrainError::Name(_))
     ));
     assert!(matches!(
-        read_terrain(&folder.path().join("dem.png"), None),
+        read_terrain(&folder.path().join("dem.gif"), None),
         Err(TerrainError::UnknownKind)
     ));
     for missing in ["N37W085.hgt", "dem.tif"] {

@@ -358,6 +358,29 @@ fn px4_rejects_a_region_of_interest_at_a_location_in_the_frame_of_commands() {
     fine(ArduPilot, roi(2, 3.0));
 }
 
+/// `DO_GIMBAL_MANAGER_CONFIGURE`: -1 leaves the control, -2 takes it, -3 releases it, others are ids.
+#[test]
+fn px4_takes_ids_of_bytes_for_the_control_of_a_gimbal() {
+    for param in 0..4 {
+        let with = |value: f32| {
+            move |mission: &mut VehicleMission| {
+                let mut item = at(1001, 2, 0.0);
+                item.params = [-2.0, -2.0, -3.0, -1.0];
+                item.params[param] = value;
+                mission.items.insert(1, item);
+            }
+        };
+        for good in [-3.0, -2.0, -1.0, 0.0, 255.0] {
+            fine(Px4, with(good));
+        }
+        for bad in [-4.0, 256.0, 300.0, 1.5] {
+            let (_, rule, text) = only(Px4, with(bad));
+            assert_eq!(rule, "parameter value");
+            assert!(text.contains("a whole number from -3 to 255"), "{text}");
+        }
+    }
+}
+
 fn of_version(major: u8, minor: u8) -> impl FnOnce(&mut VehicleMission) {
     move |mission| mission.autopilot_version = Some(Version { major, minor })
 }

@@ -134,7 +134,7 @@ x5,36.21,-84.38,36.39,-84.35,,
     let table = table.replace("x4,36.21,-84.38,36.39,-84.35\n", "");
     let found = said(&fleet(TABLE), &table);
     let starts = [
-        "fleet.csv: row 1, column 6 (speed): an unknown column (allowed: accel_mps2, airframe,",
+        "fleet.csv: row 1, column 6 (speed): an unknown column: did you mean `speed_mps`? (allowed: accel_mps2, airframe,",
         "fleet.csv: row 2, column 2 (start_lat): 123 (allowed: -90 to 90)",
         "fleet.csv: row 3, column 3 (start_lon): `fast` (allowed: a number)",
         "fleet.csv: row 3, column 3 (start_lon): an empty cell",

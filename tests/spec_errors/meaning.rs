@@ -295,7 +295,7 @@ fn terrain_has_one_source_beside_the_spec() {
         "../dem.tif",
         "a/../dem.tif",
         "\"\"",
-        "dem.png",
+        "dem.gif",
         "'c:\\dem.tif'",
         "./dem.tif/..",
     ] {
@@ -312,6 +312,29 @@ fn terrain_has_one_source_beside_the_spec() {
         only(terrain, "terrain: {file: a.tif, flat: {amsl_m: 1}}\n").0,
         "terrain"
     );
+}
+
+#[test]
+fn a_terrain_of_another_kind_names_the_command_that_converts_it() {
+    let terrain = "terrain:\n  analytic:\n    base_amsl_m: 300\n    hills:\n      - {lat: 36.30, lon: -84.25, height_m: 200, radius_m: 2000}\n";
+    for (file, command) in [
+        (
+            "tiles/my cloud.laz",
+            "`pdal translate 'tiles/my cloud.laz' 'tiles/my cloud.tif' -w",
+        ),
+        (
+            "quad.DEM",
+            "`gdalwarp -t_srs EPSG:4326 -r bilinear quad.DEM quad.tif`",
+        ),
+        ("n36.dt2", "`gdal_translate n36.dt2 n36.tif`"),
+    ] {
+        let text = with(terrain, &format!("terrain: {{file: {file}}}\n"));
+        let error = parse(&text).expect_err(file).to_string();
+        assert!(
+            error.contains("terrain.file") && error.contains(command),
+            "{error}"
+        );
+    }
 }
 
 #[test]

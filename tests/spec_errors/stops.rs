@@ -49,6 +49,12 @@ fn what_is_wrong_with_a_stop_is_reported_at_its_place() {
             "vehicles[0].stops[0].hold_s",
             "-1",
         ),
+        // More than 65535 s do not fit into an item of ArduPilot.
+        (
+            "{id: t1, lat: 36.22, lon: -84.30, agl_m: 80, hold_s: 65536}",
+            "vehicles[0].stops[0].hold_s",
+            "65536 (allowed: 0 to 3600)",
+        ),
         (
             "{id: t1, lat: 36.5, lon: -84.30, agl_m: 80}",
             "vehicles[0].stops[0]",

@@ -340,3 +340,49 @@ fn a_corner_with_three_numbers_is_one_problem() {
     assert_eq!(path, "no_fly[0].polygon[1]");
     assert!(text.contains("length 3"), "{text}");
 }
+
+#[test]
+fn a_misspelt_word_of_a_list_names_the_one_that_was_meant() {
+    for (old, new, meant) in [
+        (
+            "finish: land",
+            "finish: lannd",
+            "`lannd`: did you mean `land`?",
+        ),
+        (
+            "airframe: copter",
+            "airframe: coptre",
+            "`coptre`: did you mean `copter`?",
+        ),
+        (
+            "autopilot: ardupilot",
+            "autopilot: Ardupilot",
+            "`Ardupilot`: did you mean `ardupilot`?",
+        ),
+    ] {
+        let error = parse(&with(old, new)).expect_err(new).to_string();
+        assert!(
+            error.contains(&format!("unknown variant {meant}")),
+            "{error}"
+        );
+    }
+    let stops = "speed_mps: 15\n    stops: [{id: t, lat: 36.3, lon: -84.2, agl_m: 80, actions: [{photos: {}}]}]";
+    let text = format!(
+        "{}on_alarm: {{battery: {{who: vehicle, do: retrun}}}}\n",
+        with("speed_mps: 15", stops)
+    );
+    let error = parse(&text).expect_err("two words").to_string();
+    assert!(
+        error.contains("unknown field `photos`: did you mean `photo`?"),
+        "{error}"
+    );
+    assert!(
+        error.contains("unknown variant `retrun`: did you mean `return`?"),
+        "{error}"
+    );
+    // What is like no word is not guessed at.
+    let error = parse(&with("finish: land", "finish: hover"))
+        .expect_err("hover")
+        .to_string();
+    assert!(!error.contains("did you mean"), "{error}");
+}

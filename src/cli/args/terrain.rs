@@ -16,7 +16,7 @@ pub(in crate::cli) enum Terrain {
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct TerrainInfo {
-    /// Elevation files (.hgt, .hgt.gz, .hgt.zip, .tif), or folders of them
+    /// Elevation files (.hgt, .hgt.gz, .hgt.zip, .tif, .asc, .png), or folders of them
     #[arg(required = true, value_name = "FILES")]
     pub(in crate::cli) files: Vec<PathBuf>,
     /// Print one JSON document

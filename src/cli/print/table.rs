@@ -166,6 +166,8 @@ pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> Vec<
 fn sentence(margin: &Margin, since: &str) -> String {
     let mut text = match &margin.other {
         Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.limit),
+        // What concerns the fleet as a whole, such as a task that nobody does.
+        None if margin.vehicle.is_empty() => margin.limit.to_string(),
         None => format!("{}: {}", margin.vehicle, margin.limit),
     };
     if margin.value.is_finite() {

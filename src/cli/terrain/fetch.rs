@@ -14,8 +14,11 @@ use crate::cli::print::console::{note, out};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::progress::Progress;
 use crate::geodesy::LatLon;
-use crate::spec::{Area, ELEVATION_ENDINGS, SpecFile, TerrainSource};
+use crate::spec::{Area, SpecFile, TerrainSource};
 use crate::world::{self, Bounds};
+
+/// How the names of tiles of one degree end.
+const ENDINGS: [&str; 5] = [".hgt", ".hgt.gz", ".hgt.zip", ".tif", ".tiff"];
 
 /// A square of one degree by its south-west corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +156,7 @@ impl Square {
 
     /// The file of a folder that holds it, under whatever ending.
     fn at_hand(self, folder: &Path) -> Option<PathBuf> {
-        let names = ELEVATION_ENDINGS.iter();
+        let names = ENDINGS.iter();
         names
             .map(|ending| folder.join(format!("{}{ending}", self.name())))
             .find(|path| path.exists())
@@ -182,12 +185,8 @@ impl<'a> Template<'a> {
             ));
         }
         let file = text.split(['?', '#']).next().unwrap_or(text);
-        let Some(ending) = ELEVATION_ENDINGS
-            .iter()
-            .rev()
-            .find(|ending| file.ends_with(**ending))
-        else {
-            let allowed = ELEVATION_ENDINGS.join(", ");
+        let Some(ending) = ENDINGS.iter().rev().find(|ending| file.ends_with(**ending)) else {
+            let allowed = ENDINGS.join(", ");
             return usage(format!(
                 "--url {text}: no elevation file (allowed: {allowed})"
             ));

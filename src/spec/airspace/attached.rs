@@ -36,6 +36,9 @@ pub struct Survey {
     pub open: usize,
     /// Lines and points, which enclose nothing.
     pub without_area: usize,
+    /// Names of `skip` and classes of `only` that nothing in the file has, each with what was meant, if
+    /// anything in it is like it.
+    pub unmatched: Vec<(String, Option<String>)>,
 }
 
 /// The files of all keys, in their order, and what is wrong with those that cannot be read: they are empty.

@@ -14,8 +14,8 @@ const BELOW: &str = " below ";
 
 /// The id of the dome that a zone is a layer of.
 pub(crate) fn dome_of(zone: &Zone) -> Option<&str> {
-    let (id, _) = zone.base.and(zone.id.rsplit_once(BELOW))?;
-    Some(id)
+    let (id, _) = zone.circle.and(zone.id.rsplit_once(BELOW))?;
+    (!zone.bases.is_empty()).then_some(id)
 }
 
 /// The zones of a dome. They keep the buffer of threats.
@@ -31,7 +31,7 @@ pub(crate) fn dome_layers(threat: &Threat, buffers: &Buffers) -> Vec<Zone> {
         Zone {
             circle: Some((threat.place, radius_m)),
             ceiling: Some(Placement::Agl(Agl(top_m))),
-            base: Some(threat.place),
+            bases: vec![threat.place],
             buffer_m: buffers.threats_m,
             ..Zone::closed(
                 format!("{}{BELOW}{top_m:.0} m", threat.id),

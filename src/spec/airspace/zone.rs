@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::geodesy::LatLon;
+use crate::numeric::digits::plain;
 use crate::spec::Placement;
 
 /// A part of space that must not be entered.
@@ -21,8 +22,9 @@ pub struct Zone {
     pub floor: Option<Placement>,
     /// Open from this up; closed at every height if absent.
     pub ceiling: Option<Placement>,
-    /// The place whose ground its heights above ground count from; that under the vehicle if absent.
-    pub base: Option<LatLon>,
+    /// Places from whose highest ground its ceiling above ground counts; from that under the vehicle
+    /// if there are none.
+    pub bases: Vec<LatLon>,
     /// Closed only from and to these times, seconds after T0, either of them possibly infinite;
     /// always if absent.
     pub active_s: Option<(f64, f64)>,
@@ -71,7 +73,11 @@ impl fmt::Display for Zone {
             parts.push(format!("from {}", height(floor)));
         }
         if let Some(ceiling) = self.ceiling {
-            parts.push(format!("below {}", height(ceiling)));
+            let of = match self.bases.is_empty() {
+                true => height(ceiling),
+                false => height(ceiling).replace("above ground", "above its highest ground"),
+            };
+            parts.push(format!("below {of}"));
         }
         if let Some((from_s, to_s)) = self.active_s {
             if from_s.is_finite() {
@@ -85,13 +91,12 @@ impl fmt::Display for Zone {
     }
 }
 
-/// An altitude with its reference.
+/// An altitude with its reference, to a centimetre: whole feet have two digits.
 fn height(of: Placement) -> String {
+    let metres = |exact_m: f64| plain((100.0 * exact_m).round() / 100.0);
     match of {
-        Placement::Amsl(amsl) => format!("{} m", crate::numeric::digits::plain(amsl.0)),
-        Placement::Agl(agl) => {
-            format!("{} m above ground", crate::numeric::digits::plain(agl.0))
-        }
+        Placement::Amsl(amsl) => format!("{} m", metres(amsl.0)),
+        Placement::Agl(agl) => format!("{} m above ground", metres(agl.0)),
     }
 }
 

@@ -1,5 +1,9 @@
 //! Zones and obstacles from files.
 
+mod obstacles;
+
+use std::collections::BTreeSet;
+
 use geo::BoundingRect;
 
 use super::super::airspace::{AttachedFile, Survey};
@@ -9,13 +13,11 @@ use super::Checker;
 use super::map::{Map, exchanged};
 use super::zones::References;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame, flight_level};
-use crate::numeric::text::is_hidden;
-use crate::shapes::{self, Geometry, Height, Shape};
+use crate::numeric::text::{is_hidden, meant};
+use crate::shapes::{self, Collection, Geometry, Height, Shape};
 
 /// How far beyond the area a zone still counts, metres: tracks and margins stay within.
 const REACH_M: f64 = 1000.0;
-/// Radius of an obstacle that states none, metres.
-const MAST_RADIUS_M: f64 = 5.0;
 /// Most corners of one ring of a file: more than any fence, and than is measured in time.
 const MAX_CORNERS: usize = 5_000;
 /// Longest id, bytes.
@@ -68,6 +70,7 @@ impl Checker {
             open: collection.open,
             ..Survey::default()
         };
+        survey.unmatched = unmatched(keys, &collection);
         let is_skipped = |name: &str| keys.skip.iter().any(|skip| skip == name);
         let mut refused: Vec<(String, String)> = Vec::new();
         for of in collection.refused {
@@ -119,53 +122,32 @@ impl Checker {
         }
         Ok(zone)
     }
+}
 
-    fn add_obstacles(
-        &mut self,
-        (path, keys): (&str, &keys::ObstacleFile),
-        file: &AttachedFile,
-        map: &mut Map,
-    ) {
-        let path = format!("{path}.file");
-        let found = match keys.file.to_lowercase().ends_with(".csv") {
-            true => rows(&file.bytes),
-            false => points(&keys.file, &file.bytes),
-        };
-        let found = match found {
-            Ok(found) => found,
-            Err(why) => {
-                let allowed = "a .csv with lat, lon, height_m, radius_m, or GeoJSON points";
-                return self.report(&path, why, allowed);
-            }
-        };
-        let mut survey = Survey {
-            file: keys.file.clone(),
-            ..Survey::default()
-        };
-        for Obstacle {
-            name,
-            at,
-            height_m,
-            radius_m,
-        } in found
-        {
-            let polygon = LocalFrame::new(at).circumscribed(radius_m);
-            if is_far(&polygon, map) {
-                survey.out_of_reach += 1;
-                survey.exchanged += usize::from(is_exchanged(&Geometry::Point(at), map));
-                continue;
-            }
-            let zone = Zone {
-                circle: Some((at, radius_m)),
-                ceiling: Some(Placement::Agl(Agl(height_m))),
-                source: Some(format!("{}, {name}", keys.file)),
-                ..Zone::closed(free_id(&name, map), polygon)
-            };
-            survey.zones.push(zone.id.clone());
-            map.no_fly.push(zone);
-        }
-        map.surveys.push(survey);
-    }
+/// The names and classes that a spec asks for and a file does not have, with those that they are like.
+fn unmatched(keys: &keys::AirspaceFile, of: &Collection) -> Vec<(String, Option<String>)> {
+    let names = || {
+        let shapes = of.shapes.iter().map(|shape| shape.name.as_str());
+        shapes.chain(of.refused.iter().map(|refused| refused.name.as_str()))
+    };
+    let classes = || {
+        of.shapes
+            .iter()
+            .flat_map(|shape| shape.classes.iter().map(String::as_str))
+    };
+    let known: BTreeSet<&str> = names().collect();
+    let skip = keys
+        .skip
+        .iter()
+        .filter(|name| !known.contains(name.as_str()));
+    let asked = keys.only.iter().flat_map(|only| &only.class);
+    let asked = asked.filter(|class| !classes().any(|of| of.eq_ignore_ascii_case(class)));
+    let like = |word: &String, like: Option<&str>| (word.clone(), like.map(str::to_owned));
+    // A file has many shapes of few classes.
+    let few: BTreeSet<&str> = classes().collect();
+    let skip = skip.map(|name| like(name, meant(name, known.iter().copied())));
+    let asked = asked.map(|class| like(class, meant(class, few.iter().copied())));
+    skip.chain(asked).collect()
 }
 
 /// Whether a shape has a class that a file is read for.
@@ -269,7 +251,7 @@ fn is_exchanged(geometry: &Geometry, map: &Map) -> bool {
         Geometry::Polygon { outer, .. } => outer.iter().any(is_inside),
         Geometry::Circle { center, .. } => is_inside(center),
         Geometry::Point(at) => is_inside(at),
-        Geometry::Line(_) => false,
+        Geometry::Line(line) => line.iter().any(is_inside),
     }
 }
 
@@ -343,91 +325,4 @@ fn source(file: &str, shape: &Shape) -> String {
         "" => format!("{file}, {}", shape.name),
         _ => format!("{file}, {} ({classes})", shape.name),
     }
-}
-
-/// A mast, a turbine, a tree.
-struct Obstacle {
-    name: String,
-    at: LatLon,
-    height_m: f64,
-    radius_m: f64,
-}
-
-/// An obstacle of numbers that are possible.
-fn obstacle(
-    name: String,
-    at: LatLon,
-    height_m: Option<f64>,
-    radius_m: Option<f64>,
-) -> Result<Obstacle, String> {
-    let height_m = height_m.ok_or_else(|| format!("{name}: no height_m"))?;
-    let radius_m = radius_m.unwrap_or(MAST_RADIUS_M);
-    if !(0.0..=2000.0).contains(&height_m) || height_m <= 0.0 {
-        return Err(format!("{name}: height_m {height_m}, not above 0 to 2000"));
-    }
-    if !(1.0..=10_000.0).contains(&radius_m) {
-        return Err(format!("{name}: radius_m {radius_m}, not 1 to 10000"));
-    }
-    Ok(Obstacle {
-        name,
-        at,
-        height_m,
-        radius_m,
-    })
-}
-
-/// The rows of a table with the columns lat, lon, height_m, and perhaps radius_m and id.
-fn rows(bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
-    let names = reader.headers().map_err(|error| error.to_string())?.clone();
-    let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
-    let required = |name: &str| column(name).ok_or_else(|| format!("no column {name}"));
-    let (lat, lon, height) = (required("lat")?, required("lon")?, required("height_m")?);
-    let (radius, id) = (column("radius_m"), column("id").or(column("name")));
-    let mut found = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| error.to_string())?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let cell = |column: usize| record.get(column).unwrap_or_default();
-        let number = |column: usize| {
-            let text = cell(column);
-            let number = text.parse::<f64>().ok().filter(|of| of.is_finite());
-            number.ok_or_else(|| format!("line {line}: `{}` is no number", text.escape_debug()))
-        };
-        let at = LatLon::new(number(lat)?, number(lon)?);
-        let at = at.map_err(|error| format!("line {line}: {error}"))?;
-        let radius_m = radius.filter(|column| !cell(*column).is_empty());
-        let radius_m = radius_m.map(number).transpose()?;
-        let name = id.map(cell).filter(|name| !name.is_empty());
-        let name = name.map_or_else(|| format!("line {line}"), str::to_owned);
-        found.push(obstacle(name, at, Some(number(height)?), radius_m)?);
-    }
-    Ok(found)
-}
-
-/// The points and circles of a file of shapes, by their property `height_m`.
-fn points(name: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
-    let collection = shapes::read(name, bytes).map_err(|error| error.to_string())?;
-    if let Some(refused) = collection.refused.first() {
-        return Err(format!("{}: {}", refused.name, refused.why));
-    }
-    let shapes = collection.shapes.into_iter();
-    let obstacles = shapes.map(|shape| {
-        let number = |key: &str| {
-            let found = shape.numbers.iter().find(|(name, _)| name == key);
-            found.map(|(_, number)| *number)
-        };
-        let (at, radius_m) = match shape.geometry {
-            Geometry::Point(at) => (at, number("radius_m")),
-            Geometry::Circle { center, radius_m } => (center, Some(radius_m)),
-            Geometry::Polygon { .. } | Geometry::Line(_) => {
-                return Err(format!("{}: no point", shape.name));
-            }
-        };
-        obstacle(shape.name.clone(), at, number("height_m"), radius_m)
-    });
-    obstacles.collect()
 }

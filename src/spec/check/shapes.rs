@@ -6,7 +6,9 @@ use geo::algorithm::line_intersection::{LineIntersection, line_intersection};
 use geo::{Area as _, Line};
 
 use super::super::keys;
-use super::super::{ELEVATION_ENDINGS, Hill, THREAT_RADIUS_M, TerrainSource, Threat};
+use super::super::{
+    ELEVATION_ENDINGS, Hill, THREAT_RADIUS_M, TerrainSource, Threat, elevation_command,
+};
 use super::Checker;
 use crate::geodesy::{Amsl, LatLon, LocalFrame};
 use crate::numeric::digits;
@@ -81,7 +83,10 @@ impl Checker {
         let name = file.to_ascii_lowercase();
         let mut endings = ELEVATION_ENDINGS.iter();
         if !endings.any(|ending| name.ends_with(ending)) {
-            let allowed = format!("a file named {}", ELEVATION_ENDINGS.join(", "));
+            let mut allowed = format!("a file named {}", ELEVATION_ENDINGS.join(", "));
+            if let Some(command) = elevation_command(file) {
+                allowed = format!("{allowed}; {command}");
+            }
             self.report("terrain.file", format!("`{file}`"), allowed);
             return None;
         }

@@ -8,6 +8,7 @@ use serde_json::Value as Schema;
 use serde_yaml::{Mapping, Number, Value};
 
 use crate::numeric::digits;
+use crate::numeric::text::meant;
 use crate::spec::check::resolved;
 use crate::spec::positions::Positions;
 use crate::spec::{Issue, keys};
@@ -206,7 +207,12 @@ impl Found {
             Some((found, allowed)) => explained(found, plain(allowed)),
             None => (message.clone(), String::new()),
         };
-        let meant = key.and_then(|(key, rest)| meant(key, rest));
+        let word = key.or_else(|| {
+            let rest = message.strip_prefix("unknown variant `");
+            rest.and_then(|rest| rest.split_once('`'))
+        });
+        // What is known is listed in backticks.
+        let meant = word.and_then(|(word, rest)| meant(word, rest.split('`').skip(1).step_by(2)));
         if let Some(meant) = meant {
             found = format!("{found}: did you mean `{meant}`?");
         }
@@ -397,26 +403,6 @@ fn filling(key: &str, schema: &Schema, root: &Schema, depth: usize) -> Value {
         }
         _ => Value::Null,
     }
-}
-
-/// The known key that is most like an unknown one, if any is; `rest` lists them in backticks.
-fn meant<'a>(key: &str, rest: &'a str) -> Option<&'a str> {
-    // Two of three letters are the same at least.
-    const LIKE: f64 = 0.67;
-    let known = || rest.split('`').skip(1).step_by(2);
-    // The unit was forgotten, or another one written.
-    let goes_on = |long: &str, short: &str| {
-        long.strip_prefix(short)
-            .is_some_and(|unit| unit.starts_with('_'))
-    };
-    let with_unit = known().filter(|known| goes_on(known, key) || goes_on(key, known));
-    if let Some(shortest) = with_unit.min_by_key(|known| known.len()) {
-        return Some(shortest);
-    }
-    let like = |known: &&str| strsim::normalized_damerau_levenshtein(key, known);
-    known()
-        .filter(|known| like(known) >= LIKE)
-        .max_by(|a, b| like(a).total_cmp(&like(b)))
 }
 
 /// What the parser found and expected of a number, in the words of the file.

@@ -186,7 +186,7 @@ impl Area {
 #[serde(deny_unknown_fields)]
 #[schemars(extend("minProperties" = 1, "maxProperties" = 1))]
 pub struct Terrain {
-    /// An elevation file, its path relative to this one: SRTM .hgt, .hgt.gz or .hgt.zip, or GeoTIFF.
+    /// An elevation file, its path relative to this one: SRTM .hgt, .hgt.gz or .hgt.zip, GeoTIFF, an ASCII grid (.asc) with its .prj, or a Terrarium tile such as 12/2145/1434.png.
     pub file: Option<String>,
     /// A folder of such files, used as one; its path relative to this file.
     pub folder: Option<String>,

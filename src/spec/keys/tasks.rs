@@ -39,10 +39,10 @@ pub struct Task {
 #[serde(deny_unknown_fields)]
 pub struct Deliver {
     /// Where the load is picked up.
-    #[schemars(required)]
+    #[schemars(with = "TaskPlace")]
     pub from: Option<TaskPlace>,
     /// Where it is dropped.
-    #[schemars(required)]
+    #[schemars(with = "TaskPlace")]
     pub to: Option<TaskPlace>,
     /// When it may be dropped, seconds after T0; absent: at any time.
     #[serde(skip_serializing_if = "Option::is_none")]

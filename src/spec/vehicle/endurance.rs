@@ -1,5 +1,8 @@
 //! Endurance: flight time, range or energy.
 
+use super::{Span, Vehicle};
+use crate::numeric::digits::plain;
+
 /// What a vehicle may use from takeoff to touchdown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Endurance {
@@ -92,6 +95,34 @@ impl Energy {
             (None, first) => first.map_or(0.0, |first| first.1),
         };
         level_w + self.climbing_w * (up_mps / self.climb_mps).max(0.0)
+    }
+}
+
+impl Vehicle {
+    /// A warning where it is planned slower or faster than the powers of its table were measured at.
+    #[must_use]
+    pub fn energy_note(&self) -> Option<String> {
+        let Capacity::Energy(energy) = &self.endurance.as_ref()?.capacity else {
+            return None;
+        };
+        let (first, last) = (energy.level.first()?.0, energy.level.last()?.0);
+        // A copter that has its hover alone has no table.
+        if last <= 0.0 {
+            return None;
+        }
+        let Span { least, most } = self.speeds();
+        let (planned_mps, how) = match (least < first, most > last) {
+            (_, true) => (most, "power grows there with the cube of speed"),
+            (true, false) => (least, "the power of the slowest is taken there"),
+            (false, false) => return None,
+        };
+        Some(format!(
+            "{}: {} m/s is planned, and endurance.energy.cruise covers {} to {} m/s; {how}: state a power for it",
+            self.id,
+            plain(planned_mps),
+            plain(first),
+            plain(last)
+        ))
     }
 }
 

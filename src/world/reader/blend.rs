@@ -6,10 +6,10 @@
 
 use std::path::Path;
 
-use super::lattice::Window;
+use super::lattice::{Raster, Window};
 use super::plane::PlaneLattice;
 use super::{Bounds, Lattice, MAX_NODES, Source, TerrainError, mosaic, name_of};
-use crate::geodesy::LatLon;
+use crate::geodesy::{LatLon, Projection};
 use crate::world::TerrainGrid;
 
 /// Spacing of the new grid in that of the finest file.
@@ -27,6 +27,30 @@ pub(super) enum Nodes {
 }
 
 impl Nodes {
+    /// The nodes of a raster in a projection, in degrees of WGS84 without one.
+    ///
+    /// # Errors
+    /// Nodes that are nowhere on earth.
+    pub(super) fn of(projection: Option<Projection>, raster: Raster) -> Result<Self, TerrainError> {
+        let Some(projection) = projection else {
+            return Lattice::on_earth(raster).map(Self::Degrees);
+        };
+        let lattice = PlaneLattice {
+            projection,
+            first: raster.first,
+            step: raster.step,
+            rows: raster.rows,
+            columns: raster.columns,
+        };
+        match lattice.extent() {
+            Some(_) => Ok(Self::Plane(Box::new(lattice))),
+            None => Err(TerrainError::Layout(format!(
+                "pixels at {}, {}, which are nowhere on earth",
+                raster.first.0, raster.first.1
+            ))),
+        }
+    }
+
     fn window(&self, bounds: Option<Bounds>) -> Result<Window, TerrainError> {
         match self {
             Self::Degrees(lattice) => lattice.window(bounds),

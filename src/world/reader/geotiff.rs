@@ -10,12 +10,13 @@ use geotiff_reader::crs::{CrsInfo, ModelType};
 use geotiff_reader::geokeys;
 
 use meaning::SampleMeaning;
+pub(super) use meaning::check_sidecar;
 use vertical::check_heights;
 
 use super::blend::Nodes;
-use super::plane::{PlaneLattice, Projection};
-use super::{Lattice, TerrainError, Window, ground_m};
-use crate::geodesy::LatLon;
+use super::lattice::Raster;
+use super::{TerrainError, UNSTATED_M, Window, ground_m};
+use crate::geodesy::Projection;
 use crate::numeric::text::open_regular;
 
 const EPSG_WGS84: u16 = 4326;
@@ -51,9 +52,15 @@ impl GeoTiff {
             }
         };
         Ok(Self {
-            nodes: match projection {
-                None => Nodes::Degrees(lattice(&file)?),
-                Some(projection) => Nodes::Plane(Box::new(plane_lattice(&file, projection)?)),
+            nodes: {
+                let (first, step) = steps(&file)?;
+                let raster = Raster {
+                    first,
+                    step,
+                    rows: size(file.height())?,
+                    columns: size(file.width())?,
+                };
+                Nodes::of(projection, raster)?
             },
             meaning: SampleMeaning::read(&file, path)?,
             file,
@@ -78,7 +85,7 @@ impl GeoTiff {
         match (&self.nodes, vertical.and_then(|vertical| vertical.epsg)) {
             (Nodes::Degrees(_), _) | (_, Some(5773)) => 0.0,
             (_, Some(3855)) => 1.0,
-            _ => 2.0,
+            _ => UNSTATED_M,
         }
     }
 
@@ -176,53 +183,6 @@ fn steps(file: &GeoTiffFile) -> Result<Steps, TerrainError> {
 
 fn size(pixels: u32) -> Result<usize, TerrainError> {
     usize::try_from(pixels).map_err(|_| TerrainError::TooLarge(usize::MAX))
-}
-
-fn plane_lattice(file: &GeoTiffFile, projection: Projection) -> Result<PlaneLattice, TerrainError> {
-    let (first, step) = steps(file)?;
-    let lattice = PlaneLattice {
-        projection,
-        first,
-        step,
-        rows: size(file.height())?,
-        columns: size(file.width())?,
-    };
-    match lattice.extent() {
-        Some(_) => Ok(lattice),
-        None => Err(TerrainError::Layout(format!(
-            "pixels at {}, {}, which are nowhere on earth",
-            first.0, first.1
-        ))),
-    }
-}
-
-/// The nodes of a file in degrees.
-fn lattice(file: &GeoTiffFile) -> Result<Lattice, TerrainError> {
-    let ((mut lon_deg, lat_deg), (column_step_deg, row_step_deg)) = steps(file)?;
-    if lon_deg >= 180.0 {
-        lon_deg -= 360.0;
-    }
-    let (rows, columns) = (file.height(), file.width());
-    let south_deg = lat_deg - f64::from(rows - 1) * row_step_deg;
-    let width_deg = f64::from(columns - 1) * column_step_deg;
-    // Half a pixel beyond the poles and the date line is usual for grids of the whole earth.
-    let on_earth = lat_deg <= 90.0 + row_step_deg
-        && south_deg >= -90.0 - row_step_deg
-        && lon_deg >= -180.0 - column_step_deg
-        && width_deg <= 360.0 + column_step_deg;
-    if !on_earth {
-        let found = format!(
-            "pixels at {lat_deg}, {lon_deg}, of {row_step_deg} x {column_step_deg} degrees"
-        );
-        return Err(TerrainError::Layout(found));
-    }
-    Ok(Lattice {
-        north_west: LatLon { lat_deg, lon_deg },
-        row_step_deg,
-        column_step_deg,
-        rows: size(rows)?,
-        columns: size(columns)?,
-    })
 }
 
 /// The heights of a window, row by row, from samples of whatever type.

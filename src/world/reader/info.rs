@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Source, TerrainError, Window};
+use super::{Source, TerrainError, Window, remedy};
 use crate::geodesy::{Amsl, LatLon};
 
 /// Most nodes in memory while a file is looked at.
@@ -38,6 +38,10 @@ pub struct TerrainInfo {
 /// # Errors
 /// [`TerrainError`], as for reading it.
 pub fn inspect(path: &Path) -> Result<TerrainInfo, TerrainError> {
+    inspected(path).map_err(|error| remedy::with_command(path, error))
+}
+
+fn inspected(path: &Path) -> Result<TerrainInfo, TerrainError> {
     let source = Source::open(path)?;
     let nodes = source.nodes();
     let (rows, columns) = nodes.size();

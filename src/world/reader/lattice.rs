@@ -4,6 +4,17 @@ use super::{Bounds, MAX_NODES, TerrainError};
 use crate::geodesy::LatLon;
 use crate::world::TerrainGrid;
 
+/// Rows from north to south and columns from west to east, in the units of some system.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Raster {
+    /// East and north of the first node.
+    pub(super) first: (f64, f64),
+    /// Between columns and rows, both positive.
+    pub(super) step: (f64, f64),
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+}
+
 /// The nodes of a file: where they are, before any height is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lattice {
@@ -24,6 +35,39 @@ pub(super) struct Window {
 }
 
 impl Lattice {
+    /// The nodes of a raster in degrees.
+    ///
+    /// # Errors
+    /// Nodes that are nowhere on earth.
+    pub(super) fn on_earth(raster: Raster) -> Result<Self, TerrainError> {
+        let Raster { rows, columns, .. } = raster;
+        let (mut lon_deg, lat_deg) = raster.first;
+        let (column_step_deg, row_step_deg) = raster.step;
+        if lon_deg >= 180.0 {
+            lon_deg -= 360.0;
+        }
+        let south_deg = lat_deg - count(rows - 1) * row_step_deg;
+        let width_deg = count(columns - 1) * column_step_deg;
+        // Half a pixel beyond the poles and the date line is usual for grids of the whole earth.
+        let on_earth = lat_deg <= 90.0 + row_step_deg
+            && south_deg >= -90.0 - row_step_deg
+            && lon_deg >= -180.0 - column_step_deg
+            && width_deg <= 360.0 + column_step_deg;
+        if !on_earth {
+            let found = format!(
+                "pixels at {lat_deg}, {lon_deg}, of {row_step_deg} x {column_step_deg} degrees"
+            );
+            return Err(TerrainError::Layout(found));
+        }
+        Ok(Self {
+            north_west: LatLon { lat_deg, lon_deg },
+            row_step_deg,
+            column_step_deg,
+            rows,
+            columns,
+        })
+    }
+
     /// All nodes.
     pub(super) fn whole(&self) -> Window {
         Window {
@@ -74,14 +118,10 @@ impl Lattice {
         }
     }
 
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "grids have far fewer than 2^52 rows"
-    )]
     pub(super) fn node(&self, row: usize, column: usize) -> LatLon {
         LatLon {
-            lat_deg: self.north_west.lat_deg - row as f64 * self.row_step_deg,
-            lon_deg: self.north_west.lon_deg + column as f64 * self.column_step_deg,
+            lat_deg: self.north_west.lat_deg - count(row) * self.row_step_deg,
+            lon_deg: self.north_west.lon_deg + count(column) * self.column_step_deg,
         }
     }
 
@@ -116,4 +156,12 @@ fn cut(from: f64, to: f64, nodes: usize) -> Option<(usize, usize)> {
     );
     let from = from.min(nodes - 2);
     Some((from, to.max(from + 1) + 1))
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "grids have far fewer than 2^52 rows"
+)]
+fn count(nodes: usize) -> f64 {
+    nodes as f64
 }

@@ -1,6 +1,7 @@
-//! Elevation files: SRTM tiles and GeoTIFF, one or a folder of them, cut to the part a
+//! Elevation files: SRTM tiles, GeoTIFF, ASCII grids and Terrarium tiles, one or a folder of them, cut to the part a
 //! mission needs. Only that part is ever in memory.
 
+mod ascii;
 mod blend;
 mod geotiff;
 mod hgt;
@@ -8,17 +9,22 @@ mod info;
 mod lattice;
 mod mosaic;
 mod plane;
+mod prj;
+mod remedy;
+mod terrarium;
 
 pub use info::{TerrainInfo, inspect};
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use ascii::AsciiGrid;
 use blend::Nodes;
 use geotiff::GeoTiff;
 use hgt::{Hgt, Packing};
 use lattice::{Lattice, Window};
 use mosaic::Mosaic;
+use terrarium::Terrarium;
 
 use super::TerrainGrid;
 use crate::geodesy::LatLon;
@@ -31,6 +37,9 @@ const GROUND_M: RangeInclusive<f64> = -500.0..=9000.0;
 /// Most nodes in memory (256 MiB).
 const MAX_NODES: usize = 1 << 26;
 
+/// By how much heights may be wrong whose zero no file states, metres.
+const UNSTATED_M: f64 = 2.0;
+
 /// Why an elevation file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TerrainError {
@@ -38,7 +47,7 @@ pub enum TerrainError {
     #[error("cannot be read: {0}")]
     Unreadable(#[from] std::io::Error),
     /// The ending is of no elevation file.
-    #[error("unknown kind of elevation file (allowed: .hgt, .hgt.gz, .hgt.zip, .tif, .tiff)")]
+    #[error("unknown kind of elevation file (allowed: {})", ELEVATION_ENDINGS.join(", "))]
     UnknownKind,
     /// A packed tile is damaged, or not what it says.
     #[error("cannot be unpacked: {0}")]
@@ -81,20 +90,42 @@ pub enum TerrainError {
     /// An `.hgt` file has 1201 or 3601 rows and columns of two bytes.
     #[error("{0} bytes (allowed: 2884802 for 1201 x 1201, 25934402 for 3601 x 3601)")]
     Size(u64),
+    /// A file that a command of GDAL or PDAL turns into one that can be used.
+    #[error("{error}; {command}")]
+    Convertible {
+        /// Why it cannot be used.
+        error: Box<TerrainError>,
+        /// The command with what it does.
+        command: String,
+    },
+    /// An ASCII grid is damaged.
+    #[error("not a readable ASCII grid: {0}")]
+    Ascii(String),
+    /// An ASCII grid has no coordinate system.
+    #[error(
+        "no {0} next to it, so that its coordinates have no system (allowed: well-known text in it, or the one line \
+         EPSG:4326 for degrees of WGS84, or the code of another system, such as EPSG:2056)"
+    )]
+    NoPrj(String),
+    /// A PNG holds no heights.
+    #[error("not a readable Terrarium tile: {0}")]
+    Png(String),
+    /// The path of a PNG does not say where it lies.
+    #[error(
+        "`{0}` does not say where it lies (allowed: a Terrarium tile by zoom, column and row, such as \
+         12/2145/1434.png or 12_2145_1434.png)"
+    )]
+    Unplaced(String),
     /// The decoder refuses the GeoTIFF.
     #[error("not a readable GeoTIFF: {0}")]
     Decode(String),
     /// The coordinates are not degrees of WGS84.
     #[error(
-        "coordinates in {0} (allowed: EPSG:4326, or an EPSG code with a way to WGS84 that needs no grid of shifts; \
-         `gdalwarp -t_srs EPSG:4326 -r bilinear FILE NEW.tif` converts it)"
+        "coordinates in {0} (allowed: EPSG:4326, or an EPSG code with a way to WGS84 that needs no grid of shifts)"
     )]
     Crs(String),
     /// The heights are not metres above the sea.
-    #[error(
-        "heights in {0} (allowed: metres above mean sea level; `gdalwarp -t_srs EPSG:9707 FILE NEW.tif` converts heights \
-         of a known system to EGM96)"
-    )]
+    #[error("heights in {0} (allowed: metres above mean sea level)")]
     Heights(String),
     /// A tag or a file next to it changes what its samples mean.
     #[error("{0} (allowed: heights in metres, with at most a scale and an offset that GDAL wrote)")]
@@ -122,6 +153,16 @@ pub enum TerrainError {
     /// The area has too many nodes.
     #[error("{0} nodes within the area (allowed: {MAX_NODES})")]
     TooLarge(usize),
+}
+
+impl TerrainError {
+    /// What is wrong with the only file, without its name.
+    fn of_file(self) -> Self {
+        match self {
+            Self::InFile { error, .. } => *error,
+            error => error,
+        }
+    }
 }
 
 /// The part of the earth to read, degrees.
@@ -166,17 +207,30 @@ impl Bounds {
 /// # Errors
 /// [`TerrainError`], which says what is wrong and what is allowed.
 pub fn read_terrain(path: &Path, bounds: Option<Bounds>) -> Result<TerrainGrid, TerrainError> {
-    if path.is_dir() {
-        return match Mosaic::open(path, bounds) {
-            Err(TerrainError::Mixed { .. }) => {
-                blend::read(blend::open_folder(path, bounds)?, bounds)
-            }
-            mosaic => mosaic?.read(bounds),
-        };
+    let grid = match path.is_dir() {
+        true => read_folder(path, bounds),
+        false => read_file(path, bounds),
+    };
+    grid.map_err(|error| remedy::with_command(path, error))
+}
+
+fn read_folder(path: &Path, bounds: Option<Bounds>) -> Result<TerrainGrid, TerrainError> {
+    match Mosaic::open(path, bounds) {
+        Err(TerrainError::Mixed { .. }) => blend::read(blend::open_folder(path, bounds)?, bounds),
+        Err(TerrainError::NoneHere(0)) => {
+            let tiles = Terrarium::open_folder(path, bounds)?;
+            let tiles = tiles.ok_or(TerrainError::NoneHere(0))?;
+            blend::read(vec![(name_of(path), Source::Terrarium(tiles))], bounds)
+        }
+        mosaic => mosaic?.read(bounds),
     }
+}
+
+fn read_file(path: &Path, bounds: Option<Bounds>) -> Result<TerrainGrid, TerrainError> {
     let source = Source::open(path)?;
     let Some(lattice) = source.lattice() else {
-        return blend::read(vec![(name_of(path), source)], bounds);
+        let grid = blend::read(vec![(name_of(path), source)], bounds);
+        return grid.map_err(TerrainError::of_file);
     };
     let window = lattice.window(bounds)?;
     Ok(lattice.grid(window, source.read(window)?))
@@ -188,16 +242,38 @@ pub fn read_terrain(path: &Path, bounds: Option<Bounds>) -> Result<TerrainGrid, 
 /// A folder that cannot be used.
 pub fn terrain_files(path: &Path, bounds: Option<Bounds>) -> Result<Vec<PathBuf>, TerrainError> {
     if !path.is_dir() {
-        return Ok(vec![path.to_owned()]);
+        return Ok(with_systems(vec![path.to_owned()]));
     }
     let mosaic = match Mosaic::open(path, bounds) {
         Err(TerrainError::Mixed { .. }) => {
             let files = blend::open_folder(path, bounds)?.into_iter();
-            return Ok(files.map(|(name, _)| path.join(name)).collect());
+            return Ok(with_systems(
+                files.map(|(name, _)| path.join(name)).collect(),
+            ));
+        }
+        Err(TerrainError::NoneHere(0)) => {
+            let tiles = Terrarium::open_folder(path, bounds)?;
+            let tiles = tiles.ok_or(TerrainError::NoneHere(0))?;
+            return Ok(tiles.paths().map(Path::to_owned).collect());
         }
         mosaic => mosaic?,
     };
-    Ok(mosaic.names().map(|name| path.join(name)).collect())
+    Ok(with_systems(
+        mosaic.names().map(|name| path.join(name)).collect(),
+    ))
+}
+
+/// Adds the `.prj` of each ASCII grid.
+fn with_systems(files: Vec<PathBuf>) -> Vec<PathBuf> {
+    let files = files.into_iter().flat_map(|path| {
+        let system = is_ascii(&name_of(&path)).then(|| prj::path_of(&path));
+        [Some(path), system.filter(|path| path.exists())]
+    });
+    files.flatten().collect()
+}
+
+fn is_ascii(name: &str) -> bool {
+    name.to_ascii_lowercase().ends_with(".asc")
 }
 
 /// Whether a file holds elevation by its name.
@@ -214,6 +290,9 @@ pub fn is_elevation(name: &str) -> bool {
 /// A folder that cannot be read.
 pub fn elevation_files(folder: &Path) -> Result<Vec<PathBuf>, TerrainError> {
     let names = mosaic::names(folder)?;
+    if names.is_empty() {
+        return terrarium::paths(folder);
+    }
     Ok(names.into_iter().map(|name| folder.join(name)).collect())
 }
 
@@ -227,6 +306,8 @@ fn name_of(path: &Path) -> String {
 enum Source {
     Hgt(Hgt),
     GeoTiff(Box<GeoTiff>),
+    Ascii(Box<AsciiGrid>),
+    Terrarium(Terrarium),
 }
 
 impl Source {
@@ -234,6 +315,10 @@ impl Source {
         let name = name_of(path);
         if hgt::is_tile(&name.to_ascii_lowercase()) {
             Hgt::open(path).map(Self::Hgt)
+        } else if is_ascii(&name) {
+            AsciiGrid::open(path).map(|file| Self::Ascii(Box::new(file)))
+        } else if name.to_ascii_lowercase().ends_with(".png") {
+            Terrarium::open(path).map(Self::Terrarium)
         } else if is_elevation(&name) {
             GeoTiff::open(path).map(|file| Self::GeoTiff(Box::new(file)))
         } else {
@@ -253,6 +338,8 @@ impl Source {
         match self {
             Self::Hgt(file) => Nodes::Degrees(file.lattice),
             Self::GeoTiff(file) => file.nodes.clone(),
+            Self::Ascii(file) => file.nodes.clone(),
+            Self::Terrarium(tiles) => tiles.nodes.clone(),
         }
     }
 
@@ -261,6 +348,11 @@ impl Source {
         match self {
             Self::Hgt(_) => 0.0,
             Self::GeoTiff(file) => file.datum_error_m(),
+            Self::Ascii(file) => match file.nodes {
+                Nodes::Degrees(_) => 0.0,
+                Nodes::Plane(_) => UNSTATED_M,
+            },
+            Self::Terrarium(_) => UNSTATED_M,
         }
     }
 
@@ -268,6 +360,8 @@ impl Source {
         match self {
             Self::Hgt(file) => file.read(window),
             Self::GeoTiff(file) => file.read(window),
+            Self::Ascii(file) => file.read(window),
+            Self::Terrarium(tiles) => tiles.read(window),
         }
     }
 
@@ -279,6 +373,8 @@ impl Source {
                 Packing::Zip(_) => "SRTM tile, zip",
             },
             Self::GeoTiff(_) => "GeoTIFF",
+            Self::Ascii(_) => "ESRI ASCII grid",
+            Self::Terrarium(_) => "Terrarium tile",
         }
     }
 
@@ -286,6 +382,11 @@ impl Source {
         match self {
             Self::Hgt(_) => "WGS84, metres above EGM96, as every SRTM tile".to_owned(),
             Self::GeoTiff(file) => file.datum(),
+            Self::Ascii(file) => file.datum(),
+            Self::Terrarium(_) => {
+                "EPSG:3857, metres taken for above mean sea level, as every Terrarium tile"
+                    .to_owned()
+            }
         }
     }
 }

@@ -173,7 +173,8 @@ pub(super) fn names(folder: &Path) -> Result<Vec<String>, TerrainError> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let name = entry?.file_name().to_string_lossy().into_owned();
-        if is_elevation(&name) {
+        // A picture in a folder of tiles is no elevation; Terrarium tiles have folders of their own.
+        if is_elevation(&name) && !name.to_ascii_lowercase().ends_with(".png") {
             names.push(name);
         }
     }

@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use serde_yaml::{Mapping, Value};
 
 use super::Checker;
+use crate::numeric::text::did_you_mean;
 use crate::spec::keys::{self, Vehicle};
 use crate::spec::table::Table;
 use crate::spec::value_sources::Made;
@@ -85,7 +86,8 @@ impl Checker {
             .collect();
         for (index, _) in known.iter().enumerate().filter(|(_, it)| it.is_none()) {
             let names: Vec<&str> = columns.iter().map(|column| &*column.name).collect();
-            let found = "an unknown column".to_owned();
+            let like = did_you_mean(&table.columns[index], names.iter().copied());
+            let found = format!("an unknown column{like}");
             self.issues
                 .push(table.name_issue(index, found, &names.join(", ")));
         }

@@ -91,11 +91,11 @@ pub struct Camera {
 #[serde(deny_unknown_fields)]
 pub struct SearchArea {
     /// Which pattern.
-    #[schemars(required)]
+    #[schemars(with = "Pattern")]
     pub pattern: Option<Pattern>,
     /// Where it begins: the datum of an expanding square or a sector search, the first corner of
     /// parallel tracks.
-    #[schemars(required)]
+    #[schemars(with = "SearchPlace")]
     pub at: Option<SearchPlace>,
     /// Length of the first leg, metres; an expanding square grows by it, others keep it.
     #[schemars(required, range(min = 10, max = 100000))]

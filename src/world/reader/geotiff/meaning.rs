@@ -198,7 +198,10 @@ fn check_vertical_scale(file: &GeoTiffFile) -> Result<(), TerrainError> {
 }
 
 /// Refuses an `.aux.xml` of GDAL that changes a number or its place.
-fn check_sidecar(path: &Path, no_data: Option<&str>) -> Result<(), TerrainError> {
+pub(in super::super) fn check_sidecar(
+    path: &Path,
+    no_data: Option<&str>,
+) -> Result<(), TerrainError> {
     let mut name = path.as_os_str().to_owned();
     name.push(".aux.xml");
     let text = match std::fs::read_to_string(&name) {
