@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use super::{Bounds, NoData, PlanZone, Terrain, TerrainError, World};
 use super::{read_terrain, terrain_files};
-use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::geodesy::{Agl, Amsl, LatLon, PlanPoint};
 use crate::numeric::digits;
 use crate::numeric::geometry::Ring;
 use crate::spec::{
@@ -243,13 +243,7 @@ impl Check<'_> {
         } else if agl_m < area.min_agl.0 {
             let above_m = digits::distinct_from(agl_m, area.min_agl.0, 1);
             let found = format!("{what} is {above_m} m above {over}");
-            let least = format!("at least {} m (area.min_agl_m)", area.min_agl.0);
-            let is_stop = ["stop", "task"].contains(&what);
-            let allowed = match is_stop && matches!(end.altitude, Placement::Amsl(_)) {
-                true => format!("{least}; a copter comes straight down to a lower `agl_m`"),
-                false => least,
-            };
-            self.report(path, found, allowed);
+            self.report(path, found, least_height(area.min_agl, what, end));
         } else if agl_m < self.least_agl().buffered_m {
             let least = self.least_agl();
             let above_m = digits::distinct_from(agl_m, least.buffered_m, 1);
@@ -487,5 +481,15 @@ impl Check<'_> {
                 }
             }
         }
+    }
+}
+
+/// What is allowed where a place is too low.
+fn least_height(min_agl: Agl, what: &str, end: EndPoint) -> String {
+    let least = format!("at least {} m (area.min_agl_m)", min_agl.0);
+    let is_stop = ["stop", "task"].contains(&what);
+    match is_stop && matches!(end.altitude, Placement::Amsl(_)) {
+        true => format!("{least}; a copter comes straight down to a lower `agl_m`"),
+        false => least,
     }
 }
