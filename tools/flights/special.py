@@ -222,6 +222,25 @@ def payload(options, folder):
     return found
 
 
+def drop(options, folder):
+    """A stop 5 m above the ground, below the least height, of an ArduCopter and a PX4 copter: where and how low they were."""
+    places = {"v": (200, 80), "p": (200, 480)}
+    stops = {name: {"id": "yard", **missions.place(*at), "agl_m": 5, "hold_s": 4} for name, at in places.items()}
+    spec = spec_of("drop", [copter("v", 1, (0, 0), (400, 0), stops=[stops["v"]]),
+                            copter("p", 2, (0, 400), (400, 400), autopilot="px4", stops=[stops["p"]])])
+    flight, truths = fleet_flight(options, folder, spec)
+    found = summary(flight, truths)
+    for name, at in places.items():
+        points = metres(truths[name])
+        away = np.hypot(*(points[:, :2] - np.array(at)).T)
+        near = away < 15
+        below = points[near, 2] < stops[name]["agl_m"] + 1.5
+        found[name] = {"lowest_m": round(float(points[near, 2].min()), 2),
+                       "from_stop_m": round(float(away[near][np.argmin(points[near, 2])]), 2),
+                       "below_6.5_m_s": round(float(below.sum() * np.median(np.diff(truths[name].t))), 1)}
+    return found
+
+
 def fleet(options, folder, count=10):
     """So many copters that cross one airspace, from one command."""
     vehicles = []
@@ -350,5 +369,5 @@ def fence(options, folder):
 SPECIAL = {"zigzag": zigzag, "land-aside": land_aside, "after-unlimited": after_unlimited, "spline": spline,
            "servo": servo, "payload": payload, "fleet": fleet, "battery": battery, "fence": fence, "jacksboro": jacksboro,
            "jacksboro-wind": jacksboro_in_wind, "harbour": harbour, "harbour-still": harbour_in_none,
-           "harbour-wind": harbour_in_wind, "inspection": inspection, "survey": survey,
+           "harbour-wind": harbour_in_wind, "inspection": inspection, "survey": survey, "drop": drop,
            "items-copter": items.all_of("copter"), "items-plane": items.all_of("plane")}
