@@ -195,9 +195,9 @@ fn a_copter_comes_straight_down_to_a_stop_below_the_least_height() {
     let down_s = 2.0 + 55.0 / vehicle.descent_mps + 55.0 / vehicle.climb_mps;
     assert!((vehicle.rest_after_s(0) - 3.0 - down_s).abs() < 1e-9);
     assert!(good(&at("60")).vehicles[0].stops[0].drop_m.abs() < 1e-12);
-    let found = issues(&at("0.5"));
+    let found = issues(&at("2.9"));
     assert_eq!(found[0].path, "vehicles[0].stops[0].agl_m");
-    assert!(found[0].allowed.contains("at least 1 m"), "{found:?}");
+    assert!(found[0].allowed.contains("at least 3 m"), "{found:?}");
 }
 
 #[test]

@@ -7,8 +7,9 @@ use crate::spec::check::map::Map;
 use crate::spec::keys;
 use crate::spec::{Arrival, EndPoint, MAX_STOPS, OnWay, Order, Placement, Stop};
 
-/// A place below the least height above ground is at least this high, metres.
-const LEAST_DROP_AGL_M: f64 = 1.0;
+/// A place below the least height above ground is at least this high, metres: a PX4 copter (1.17 beta, simulated,
+/// one flight) came 1.5 m lower than it was asked to.
+const LEAST_DROP_AGL_M: f64 = 3.0;
 
 impl Checker {
     /// The stops of a vehicle, as far as each is whole.
