@@ -189,6 +189,11 @@ fn a_place_below_the_least_height_is_reached_straight_down_from_a_rest_above_it(
             .iter()
             .find(|of| of.limit == Limit::TerrainClearance);
         assert!(clearance.expect("judged").value >= 60.0);
+        // The ends of both motions count as stops for what it may be late.
+        let late_s = |done: &Dispatched| done.review.tracks[0].late_s.last().copied();
+        let (_, high) = dispatched(&round(autopilot));
+        let later_s = late_s(&done).expect("flown") - late_s(&high).expect("flown");
+        assert!(later_s > 8.5, "{later_s} s");
     }
 }
 
