@@ -514,22 +514,28 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
     }
 }
 
-/// A copter with a stop, and pictures along its way.
+/// A copter with a stop 220 m aside of its lane, 80 m above the ground.
+fn aside(autopilot: Autopilot, stop: impl Fn(EndPoint) -> Stop) -> Spec {
+    let end = EndPoint {
+        place: place(36.302, -84.254),
+        altitude: Placement::Agl(Agl(80.0)),
+    };
+    Spec {
+        autopilot,
+        speed_mps: 9.0,
+        stops: vec![stop(end)],
+        ..lane("alpha", 1, 36.30)
+    }
+}
+
 #[test]
 fn a_copter_takes_its_pictures_and_says_so() {
     for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
-        let mut alpha = sky::lane("alpha", 1, 36.30);
-        alpha.autopilot = autopilot;
-        alpha.speed_mps = 9.0;
-        let end = EndPoint {
-            place: place(36.302, -84.254),
-            altitude: Placement::Agl(Agl(80.0)),
-        };
-        alpha.stops = vec![Stop {
+        let alpha = aside(autopilot, |end| Stop {
             hold_s: 4.0,
             actions: vec![StopAction::Photo],
             ..Stop::passing("mast", end)
-        }];
+        });
         let plan = plan(vec![alpha], OnLinkLoss::Continue);
         let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
         assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
@@ -547,20 +553,14 @@ fn a_copter_takes_its_pictures_and_says_so() {
 
 #[test]
 fn a_copter_places_its_load_on_the_ground_and_flies_on() {
-    let mut alpha = sky::lane("alpha", 1, 36.30);
-    alpha.speed_mps = 9.0;
-    let end = EndPoint {
-        place: place(36.302, -84.254),
-        altitude: Placement::Agl(Agl(80.0)),
-    };
     let max_descent_m = None;
-    alpha.stops = vec![Stop {
+    let alpha = aside(Autopilot::ArduPilot, |end| Stop {
         actions: vec![
             StopAction::PayloadPlace { max_descent_m },
             StopAction::Photo,
         ],
         ..Stop::passing("yard", end)
-    }];
+    });
     let plan = plan(vec![alpha], OnLinkLoss::Continue);
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
@@ -587,19 +587,12 @@ fn a_copter_places_its_load_on_the_ground_and_flies_on() {
 #[test]
 fn a_copter_comes_down_to_a_low_place_and_its_limits_hold() {
     for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
-        let mut alpha = sky::lane("alpha", 1, 36.30);
-        alpha.autopilot = autopilot;
-        alpha.speed_mps = 9.0;
-        let end = EndPoint {
-            place: place(36.302, -84.254),
-            altitude: Placement::Agl(Agl(80.0)),
-        };
-        alpha.stops = vec![Stop {
+        let alpha = aside(autopilot, |end| Stop {
             drop_m: 74.0,
             hold_s: 4.0,
             actions: vec![StopAction::Gripper { grabs: false }],
             ..Stop::passing("yard", end)
-        }];
+        });
         let plan = plan(vec![alpha], OnLinkLoss::Continue);
         let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
         assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::action::RELEASE_S;
 use super::{EndPoint, Placement, Span, StopAction, Vehicle};
-use crate::geodesy::{Agl, Amsl, LatLon, PlanPoint};
+use crate::geodesy::{Agl, Amsl, PlanPoint};
 use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
@@ -35,8 +35,8 @@ pub struct Stop {
     pub id: String,
     /// Where, and how high.
     pub end: EndPoint,
-    /// How far it comes straight down from there and up again, to a place below the least height above
-    /// ground, metres; what is done is done below. 0 for no such drop.
+    /// Depth of a drop below `end`, metres: the copter descends vertically, holds and acts at the bottom, and
+    /// climbs back. 0 for a stop at `end` itself.
     pub drop_m: f64,
     /// How long the vehicle stays there, seconds; [`Stop::rest_s`] is what is encoded.
     pub hold_s: f64,
@@ -90,7 +90,7 @@ impl Stop {
 }
 
 impl Stop {
-    /// Where what is done there is done: below its end, if it is a drop.
+    /// Where the vehicle holds and acts: at the bottom, if it is a drop.
     #[must_use]
     pub fn place(&self) -> EndPoint {
         match self.end.altitude {
@@ -102,7 +102,7 @@ impl Stop {
         }
     }
 
-    /// The point of that place, below the point of its end.
+    /// The same as a point, from that of its end.
     #[must_use]
     pub fn below(&self, end: PlanPoint) -> PlanPoint {
         PlanPoint {
@@ -271,15 +271,6 @@ impl Vehicle {
     pub fn slow_descent_mps(&self) -> f64 {
         let slow_mps = self.facts().behaviour.slow_landing_mps;
         slow_mps.min(self.descent_mps)
-    }
-
-    /// Ids and places of its stops.
-    #[must_use]
-    pub fn stop_sites(&self) -> Vec<(&str, LatLon)> {
-        let stops = self.stops.iter();
-        stops
-            .map(|stop| (stop.id.as_str(), stop.end.place))
-            .collect()
     }
 
     /// Whether a route ends at a stop that the vehicle flies past.
