@@ -33,6 +33,7 @@ const STOPS: &str = "
 const TASKS: &str = "
 tasks:
   - {id: look, visit: {lat: 36.2930, lon: -84.2760, agl_m: 60, hold_s: 3, actions: [{photo: {}}]}}
+  - {id: dip, visit: {lat: 36.3060, lon: -84.2680, agl_m: 6}}
   - {id: yard, visit: {lat: 36.2910, lon: -84.2700, agl_m: 60, actions: [{payload_place: {max_descent_m: 80}}]}}
   - id: parcel
     deliver:
@@ -83,12 +84,12 @@ fn stops_and_tasks_of_every_kind_are_seen_done() {
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
     sky.fly_to(1.0);
     let all: usize = sky.fleet.status(sky.now).iter().map(|of| of.done.1).sum();
-    assert_eq!(all, 12, "six stops and six tasks");
+    assert_eq!(all, 13, "six stops and seven tasks");
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
     let report = plan.judge(&sky);
     assert!(report.passes(), "{report:#?}");
     let served = report.vehicles.iter().flat_map(|of| &of.served);
-    assert_eq!(served.clone().count(), 12, "{report:#?}");
+    assert_eq!(served.clone().count(), 13, "{report:#?}");
     for of in served {
         assert_eq!(of.state, ServiceState::Done, "{of:?}");
         assert!(of.from_s <= of.until_s, "{of:?}");
@@ -97,10 +98,11 @@ fn stops_and_tasks_of_every_kind_are_seen_done() {
     assert!(done.iter().all(|of| of.done.0 == of.done.1), "{done:?}");
     let document = document(&plan, &sky);
     assert_eq!(document["stops"]["done"], 6, "{document:#}");
-    assert_eq!(document["tasks"]["done"], 6, "{document:#}");
+    assert_eq!(document["tasks"]["done"], 7, "{document:#}");
     let says = |text: &str| ["alpha", "bravo"].iter().any(|id| sky.says(id, text));
     for (id, kind) in [
         ("look", "visit"),
+        ("dip", "visit"),
         ("yard", "visit"),
         ("parcel", "delivery"),
         ("field", "area"),

@@ -1,8 +1,8 @@
 //! What a vehicle was seen to do of its itinerary: live, and again from the record, by the same rule.
 //!
 //! A stop is done when the vehicle was seen at it while it flew to each of its rows, and then said
-//! that it reached the last of them, or stayed as long as planned before it went on. A vehicle that
-//! puts down a load there was also seen to come down and to stay there. What it goes on from
+//! that it reached the last of them, or stayed as long as planned before it went on. Where it has to come
+//! down it was seen to, and with a load to stay on the ground. What it goes on from
 //! without that is missed.
 
 use std::collections::VecDeque;
@@ -26,10 +26,9 @@ const RESTS_MPS: f64 = 1.0;
 const UNSEEN_S: f64 = 1.0;
 /// The message that an item was reached may come after the next item is current, seconds.
 const LATE_S: f64 = 3.0;
-/// Share of the way down that a vehicle was seen on when it puts down a load: the ground is not
-/// known to the metre.
+/// Share of a descent at a stop on which a vehicle must be seen: the ground is not known to the metre.
 const LOWERED: f64 = 0.8;
-/// Less of a descent puts down nothing, metres.
+/// A lesser descent is none, metres.
 const DESCENT_M: f64 = 1.0;
 /// It stays on the ground to release: this long, seconds, within this height, metres.
 const RELEASES_S: f64 = 2.5;
@@ -178,7 +177,7 @@ impl Progress {
                 continue;
             }
             stop.see(row);
-            if row == rows.last() && stop.has_been_at(&rows) && stop.has_put_down(&rows) {
+            if row == rows.last() && stop.has_been_at(&rows) && stop.has_come_down(&rows) {
                 self.finish(at, t_s);
             }
         }
@@ -226,7 +225,7 @@ impl Progress {
         let passed_s = *stop.passed_s.get_or_insert(t_s);
         let stayed_s = stop.seen.begun_s.map(|begun_s| stop.until_s - begun_s);
         let stayed = stayed_s.is_some_and(|stayed_s| stayed_s >= rows.rest_s - UNSEEN_S);
-        if stayed && stop.has_been_at(rows) && stop.has_put_down(rows) {
+        if stayed && stop.has_been_at(rows) && stop.has_come_down(rows) {
             self.finish(at, passed_s);
         } else if t_s - passed_s >= LATE_S && !stop.seen.is_missed {
             let before = self.served();
@@ -310,14 +309,15 @@ impl AtStop {
         rows.waypoints.iter().all(|row| self.rows.contains(row))
     }
 
-    /// Whether it came down and released a load, if there is one.
-    fn has_put_down(&self, rows: &StopRows) -> bool {
+    /// Whether it came down where it has to, and stayed on the ground to release a load, if there is one.
+    fn has_come_down(&self, rows: &StopRows) -> bool {
         if rows.descent_m < DESCENT_M {
             return true;
         }
         let (Some(top_m), Some(low_m)) = (self.top_m, self.low_m) else {
             return false;
         };
-        top_m - low_m >= LOWERED * rows.descent_m && self.low_s.1 - self.low_s.0 >= RELEASES_S
+        let released = self.low_s.1 - self.low_s.0 >= RELEASES_S;
+        top_m - low_m >= LOWERED * rows.descent_m && (released || !rows.puts_down)
     }
 }

@@ -15,8 +15,10 @@ pub(crate) struct StopRows {
     pub(crate) waypoints: Vec<usize>,
     /// How long the vehicle stays there, with the stops before and after it at the same place.
     pub(crate) rest_s: f64,
-    /// How far it comes down there to put down a load, metres.
+    /// How far it comes down there, metres.
     pub(crate) descent_m: f64,
+    /// Whether it puts down a load on the ground.
+    pub(crate) puts_down: bool,
 }
 
 impl StopRows {
@@ -68,7 +70,11 @@ pub(crate) fn rows_of(itinerary: &Itinerary, reference: &Reference) -> Vec<Optio
     for (group, found) in groups.iter().zip(found) {
         let Some(found) = found else { continue };
         let rest_s = group.iter().map(|stop| itinerary.stops[*stop].rest_s).sum();
-        let made = stop_rows(&waypoints[found], rest_s);
+        let puts_down = group.iter().any(|stop| itinerary.stops[*stop].puts_down());
+        let made = StopRows {
+            puts_down,
+            ..stop_rows(&waypoints[found], rest_s)
+        };
         for stop in *group {
             rows[*stop] = Some(made.clone());
         }
@@ -86,6 +92,7 @@ fn stop_rows(waypoints: &[Waypoint], rest_s: f64) -> StopRows {
         waypoints: rows,
         rest_s,
         descent_m: top_m - low_m,
+        puts_down: false,
     }
 }
 

@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::geodesy::LatLon;
 
+/// The action that puts a load down on the ground.
+const PAYLOAD_PLACE: &str = "payload_place";
+
 /// The stops of a vehicle and what they are for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Itinerary {
@@ -24,6 +27,16 @@ pub struct ItineraryStop {
     pub lon_deg: f64,
     /// How long the vehicle stays there, seconds; 0 where it flies past.
     pub rest_s: f64,
+    /// What it does there, by the keys of the spec.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub actions: Vec<String>,
+}
+
+impl ItineraryStop {
+    /// Whether a load is put down on the ground there.
+    pub(super) fn puts_down(&self) -> bool {
+        self.actions.iter().any(|action| action == PAYLOAD_PLACE)
+    }
 }
 
 /// A stop of its own or a task, and the stops that are made for it.
