@@ -54,6 +54,7 @@ impl ClosedZone {
     }
 
     /// What one kilometre of a segment costs for this zone.
+    #[inline]
     pub(crate) fn exposure(
         &self,
         piece: &Piece,
@@ -63,6 +64,16 @@ impl ClosedZone {
         if self.outline.is_far_from(piece.a, piece.b) {
             return 0.0;
         }
+        self.exposure_near(piece, relief, crossings)
+    }
+
+    /// The same for a segment whose box meets that of the zone.
+    fn exposure_near(
+        &self,
+        piece: &Piece,
+        relief: &Relief,
+        crossings: &mut Vec<(f64, i32)>,
+    ) -> f64 {
         let ends = (piece.a, piece.b);
         let (amsl_a_m, amsl_b_m) = (piece.amsl_a_m, piece.amsl_b_m);
         if let (Placement::Amsl(_), Placement::Amsl(_)) = (self.from, self.below) {

@@ -78,6 +78,23 @@ impl Hazards {
 }
 
 impl Hazards {
+    /// The boxes around the zones that may meet a box.
+    #[inline]
+    pub(crate) fn zone_boxes(&self, low: Point, high: Point, mut visit: impl FnMut(Point, Point)) {
+        let mut of = |zone: &ClosedZone| {
+            let (zone_low, zone_high) = zone.bounds();
+            visit(zone_low, zone_high);
+        };
+        match self
+            .cells
+            .as_ref()
+            .and_then(|cells| cells.in_box(low, high))
+        {
+            Some(near) => near.for_each(|index| of(&self.zones[index as usize])),
+            None => self.zones.iter().for_each(of),
+        }
+    }
+
     /// An exposure and what one kilometre of a segment costs for zones and area.
     pub(crate) fn add_polygons(
         &self,

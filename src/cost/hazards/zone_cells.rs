@@ -7,6 +7,8 @@ use crate::numeric::geometry::Point;
 const SIDE: usize = 24;
 /// Fewer zones are looked at one by one.
 const MIN_ZONES: usize = 12;
+/// A box of more cells on a side is held against all zones.
+const MAX_CELLS: usize = 8;
 
 /// A raster over the zones. Each cell lists the zones in it and its neighbours to the east and
 /// north, in order: all that a piece no longer than a cell may meet whose south-west corner it holds.
@@ -93,12 +95,36 @@ impl ZoneCells {
         let (column, row) = self.at(low);
         (is_short(0) && is_short(1)).then(|| self.zones[row * SIDE + column].as_slice())
     }
+
+    /// The zones that a box may meet, some of them more than once; none where it is too wide for
+    /// that to be worth a look.
+    #[inline]
+    pub(super) fn in_box(&self, low: Point, high: Point) -> Option<impl Iterator<Item = u32>> {
+        let ((west, south), (east, north)) = (self.at(low), self.at(high));
+        let is_small = east - west < MAX_CELLS && north - south < MAX_CELLS;
+        // A cell lists those of its neighbours to the east and north.
+        let rows = (south..=north).step_by(2);
+        let cells = rows.flat_map(move |row| {
+            (west..=east)
+                .step_by(2)
+                .map(move |column| row * SIDE + column)
+        });
+        is_small.then(|| cells.flat_map(|cell| self.zones[cell].iter().copied()))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// Boxes with equal sides, from south-west corner and side.
+    fn squares(corners: &[(f64, f64, f64)]) -> Vec<(Point, Point)> {
+        corners
+            .iter()
+            .map(|&(east, north, side)| ([east, north], [east + side, north + side]))
+            .collect()
+    }
 
     proptest! {
         #[test]
@@ -107,10 +133,7 @@ mod tests {
             a in (-1500.0..1500.0_f64, -1500.0..1500.0_f64),
             by in (-60.0..60.0_f64, -60.0..60.0_f64),
         ) {
-            let boxes: Vec<(Point, Point)> = corners
-                .iter()
-                .map(|&(east, north, side)| ([east, north], [east + side, north + side]))
-                .collect();
+            let boxes = squares(&corners);
             let Some(cells) = ZoneCells::around(&boxes) else {
                 return Ok(());
             };
@@ -123,6 +146,26 @@ mod tests {
                 let meets = (0..2).all(|axis| {
                     a[axis].min(b[axis]) <= high[axis] && a[axis].max(b[axis]) >= low[axis]
                 });
+                prop_assert!(!meets || near.contains(&index), "{index}");
+            }
+        }
+
+        #[test]
+        fn the_cells_of_a_box_list_every_zone_that_meets_it(
+            corners in prop::collection::vec((-900.0..900.0_f64, -900.0..900.0_f64, 5.0..300.0_f64), 12..40),
+            low in (-1500.0..1500.0_f64, -1500.0..1500.0_f64),
+            by in (0.0..600.0_f64, 0.0..600.0_f64),
+        ) {
+            let boxes = squares(&corners);
+            let cells = ZoneCells::around(&boxes).expect("twelve at least");
+            let (low, high) = ([low.0, low.1], [low.0 + by.0, low.1 + by.1]);
+            let Some(near) = cells.in_box(low, high) else {
+                prop_assert!(by.0.max(by.1) > 300.0);
+                return Ok(());
+            };
+            let near: Vec<u32> = near.collect();
+            for (index, (zone_low, zone_high)) in (0..).zip(&boxes) {
+                let meets = (0..2).all(|axis| low[axis] <= zone_high[axis] && high[axis] >= zone_low[axis]);
                 prop_assert!(!meets || near.contains(&index), "{index}");
             }
         }

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::lanes::{Lanes, Position, V, Wide};
+use super::lanes::{Lanes, Position, V, Wide, store};
 use crate::numeric::geometry::Point;
 
 /// Least and greatest east and north of every lane.
@@ -39,6 +39,22 @@ impl<S: Simd> Bounds<S> {
             high: at,
             top_m: position[2],
         }
+    }
+
+    /// The box around those of all lanes.
+    #[inline(always)]
+    pub(crate) fn of_all_lanes(&self) -> (Point, Point) {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for axis in 0..2 {
+            let (mut lows, mut highs) = (Wide::default(), Wide::default());
+            store::<S>(self.low[axis], &mut lows);
+            store::<S>(self.high[axis], &mut highs);
+            for lane in 0..V::<S>::LEN {
+                low[axis] = low[axis].min(lows[lane]);
+                high[axis] = high[axis].max(highs[lane]);
+            }
+        }
+        (low, high)
     }
 
     #[inline(always)]

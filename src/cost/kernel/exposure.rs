@@ -51,9 +51,16 @@ pub(crate) fn add_threats<S: Simd>(
 fn near_polygons<S: Simd>(block: &Block<S>, hazards: &Hazards) -> (u64, u64) {
     let (low, high) = (&block.bounds.low, &block.bounds.high);
     let mut zones = 0;
-    for zone in &hazards.zones {
-        let (zone_low, zone_high) = zone.bounds();
-        zones |= meets::<S>(low, high, &zone_low, &zone_high).to_bitmask();
+    if !hazards.zones.is_empty() {
+        let (all_low, all_high) = block.bounds.of_all_lanes();
+        hazards.zone_boxes(
+            all_low,
+            all_high,
+            #[inline(always)]
+            |zone_low, zone_high| {
+                zones |= meets::<S>(low, high, &zone_low, &zone_high).to_bitmask();
+            },
+        );
     }
     let bounds = &hazards.bounds;
     let inside = low[0].simd_ge(bounds.low[0])

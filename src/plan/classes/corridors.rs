@@ -3,12 +3,12 @@
 
 use rayon::prelude::*;
 
+use super::classes_of_fields;
 use super::field::Field;
 use super::free_space::FreeSpace;
 use super::grid::Grid;
 use super::obstacles::Obstacles;
 use super::routes::HomotopyClasses;
-use super::{HomotopyClass, classes_of_field};
 use crate::path::VehicleLimits;
 use crate::plan::route_context::RouteContext;
 
@@ -46,14 +46,8 @@ fn corridors_at(context: &RouteContext<'_>, nodes: usize) -> Option<HomotopyClas
         .map(|berth_m| space.field(context, context.slope(), *berth_m))
         .collect();
     let obstacles = Obstacles::of(&fields, start, goal);
-    let mut classes: Vec<HomotopyClass> = fields
-        .par_iter()
-        .enumerate()
-        .map(|(index, field)| classes_of_field((index, field), &obstacles, start, goal))
-        .collect::<Vec<_>>()
-        .concat();
+    let mut classes = classes_of_fields((&fields, false), &obstacles, start, goal);
     classes.retain(|class| space.is_free(class.cost));
-    classes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     classes.truncate(MAX_CLASSES);
     let grounds = fields.into_iter().map(|field| Field {
         cost: field.cost.iter().map(|cost| cost.min(STEEP)).collect(),

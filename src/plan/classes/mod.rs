@@ -19,6 +19,8 @@ pub(super) mod routes;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
+use rayon::prelude::*;
+
 use crate::geodesy::EastNorth;
 use field::Field;
 use grid::Grid;
@@ -26,6 +28,8 @@ use obstacles::Obstacles;
 
 /// Classes this much dearer than the cheapest are not worth a look.
 const DETOUR: f64 = 2.2;
+/// A bound that is so little above counts as equal.
+const ROUNDING: f64 = 1.0 + 1e-9;
 /// A path in the plane that stands for its class.
 #[derive(Clone, Debug)]
 pub(super) struct HomotopyClass {
@@ -126,8 +130,14 @@ fn moves(grid: &Grid) -> Vec<Move> {
 }
 
 /// Dijkstra's algorithm from a node, as far as classes on the way to another one are worth a look: no
-/// path costs less than its way to any of its nodes. Costs are not negative, so their bits sort as they do.
-fn tree(field: &Field, (root, end): (usize, usize), obstacles: &Obstacles) -> Tree {
+/// path costs less than its way to any of its nodes and `onward`, the least that it costs from there
+/// to the end. Costs are not negative, so their bits sort as they do.
+fn tree(
+    field: &Field,
+    (root, end): (usize, usize),
+    obstacles: &Obstacles,
+    onward: impl Fn(usize) -> f64,
+) -> Tree {
     let grid = &field.grid;
     let moves = moves(grid);
     let mut tree = Tree {
@@ -139,12 +149,17 @@ fn tree(field: &Field, (root, end): (usize, usize), obstacles: &Obstacles) -> Tr
     let mut queue = BinaryHeap::from([Reverse((0_u64, root))]);
     let mut settled = vec![false; grid.len()];
     while let Some(Reverse((_, node))) = queue.pop() {
-        if settled[end] && tree.cost[node] > DETOUR * tree.cost[end] {
+        let most = DETOUR * tree.cost[end];
+        if settled[end] && tree.cost[node] > most {
             break;
         }
-        if std::mem::replace(&mut settled[node], true) {
+        if settled[node] {
             continue;
         }
+        if settled[end] && tree.cost[node] + onward(node) > most * ROUNDING {
+            continue;
+        }
+        settled[node] = true;
         let parent = tree.parent[node];
         if parent != usize::MAX {
             tree.signature[node] = tree.signature[parent]
@@ -176,19 +191,43 @@ fn tree(field: &Field, (root, end): (usize, usize), obstacles: &Obstacles) -> Tr
     tree
 }
 
-/// The cheapest path of every class of a field, which comes with its index; cheapest first.
-pub(super) fn classes_of_field(
-    (index, field): (usize, &Field),
+/// The cheapest path of every class of fields over one grid, each with the index of its field;
+/// cheapest first. Fields that are all one are searched once.
+pub(super) fn classes_of_fields(
+    (fields, is_one): (&[Field], bool),
+    obstacles: &Obstacles,
+    start: EastNorth,
+    goal: EastNorth,
+) -> Vec<HomotopyClass> {
+    let distinct = if is_one { &fields[..1] } else { fields };
+    let found: Vec<Vec<HomotopyClass>> = distinct
+        .par_iter()
+        .map(|field| classes_of_field(field, obstacles, start, goal))
+        .collect();
+    let of_field = |field: usize| {
+        let classes = found[field.min(found.len() - 1)].iter().cloned();
+        classes.map(move |class| HomotopyClass { field, ..class })
+    };
+    let mut classes: Vec<HomotopyClass> = (0..fields.len()).flat_map(of_field).collect();
+    classes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    classes
+}
+
+/// The cheapest path of every class of a field, as if that were the first; cheapest first.
+fn classes_of_field(
+    field: &Field,
     obstacles: &Obstacles,
     start: EastNorth,
     goal: EastNorth,
 ) -> Vec<HomotopyClass> {
     let grid = &field.grid;
     let ends = (grid.nearest(start), grid.nearest(goal));
-    let (from_start, from_goal) = rayon::join(
-        || tree(field, ends, obstacles),
-        || tree(field, (ends.1, ends.0), obstacles),
-    );
+    let least_per_km = field.cost.iter().copied().fold(f64::INFINITY, f64::min);
+    let end = grid.at(ends.1);
+    let straight = |node: usize| least_per_km * grid.at(node).distance_m(end) / 1000.0;
+    let from_start = tree(field, ends, obstacles, straight);
+    let known = |node: usize| from_start.cost[node];
+    let from_goal = tree(field, (ends.1, ends.0), obstacles, known);
     let mut cheapest: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
     for node in 0..grid.len() {
         let cost = from_start.cost[node] + from_goal.cost[node];
@@ -209,7 +248,7 @@ pub(super) fn classes_of_field(
         .map(|(signature, (cost, via))| HomotopyClass {
             signature,
             cost,
-            field: index,
+            field: 0,
             line: through(grid, &from_start, &from_goal, via, start, goal),
         })
         .collect();
@@ -290,7 +329,7 @@ mod tests {
     fn classes(walls: &[(f64, f64, f64)]) -> Vec<HomotopyClass> {
         let field = field(walls);
         let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
-        classes_of_field((0, &field), &obstacles, START, GOAL)
+        classes_of_field(&field, &obstacles, START, GOAL)
     }
 
     #[test]
@@ -314,7 +353,7 @@ mod tests {
     fn the_signature_of_a_line_is_that_of_its_class() {
         let field = field(&[(7000.0, 9000.0, 2500.0), (13_000.0, 12_000.0, 2500.0)]);
         let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
-        let classes = classes_of_field((0, &field), &obstacles, START, GOAL);
+        let classes = classes_of_field(&field, &obstacles, START, GOAL);
         assert!(classes.len() >= 3);
         for class in classes {
             assert_eq!(obstacles.signature(&class.line), class.signature);

@@ -6,7 +6,7 @@ use super::field::{Field, Reading, Relief};
 use super::grid::Grid;
 use super::narrow_zones;
 use super::obstacles::Obstacles;
-use super::{HomotopyClass, classes_of_field};
+use super::{HomotopyClass, classes_of_fields};
 use crate::geodesy::EastNorth;
 use crate::plan::route_context::RouteContext;
 use crate::world::World;
@@ -54,21 +54,18 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
             &prices,
             Reading::Conservative,
         );
+        let rises = relief.rises(context.layer(), context.slope(), &prices);
         let fields: Vec<Field> = (context.options.slope_factors)
             .par_iter()
             .map(|factor| Field {
-                rises: relief.rises(context.layer(), context.slope(), &prices),
+                rises: rises.clone(),
                 ..relief.field(factor * context.slope(), &prices)
             })
             .collect();
-        let obstacles = Obstacles::of(&fields, start, goal);
-        let mut found: Vec<HomotopyClass> = fields
-            .par_iter()
-            .enumerate()
-            .map(|(index, field)| classes_of_field((index, field), &obstacles, start, goal))
-            .collect::<Vec<_>>()
-            .concat();
-        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        // Over flat ground they are all the same.
+        let is_one = fields.iter().all(|field| field.cost == fields[0].cost);
+        let obstacles = Obstacles::of(if is_one { &fields[..1] } else { &fields }, start, goal);
+        let mut found = classes_of_fields((&fields, is_one), &obstacles, start, goal);
         found.truncate(MAX_CLASSES);
         let class = obstacles.signature(&[start, goal]);
         // Straight through a thin wall is short, but no way: it does not stand for those that are.

@@ -78,12 +78,15 @@ impl Labels {
     /// overlap, the one that covers least.
     pub(in crate::report) fn place(&mut self, at: (f64, f64), side: Side, text: &str) -> Anchor {
         let mut best: Option<(f64, Anchor, Area)> = None;
-        for share in [1.0, SMALLER] {
+        'tried: for share in [1.0, SMALLER] {
             for offset in offsets(side) {
                 let (anchor, area) = self.anchor(at, offset, text, share);
                 let covers: f64 = self.taken.iter().map(|taken| taken.shared(&area)).sum();
                 if best.is_none_or(|(least, ..)| covers < least) {
                     best = Some((covers, anchor, area));
+                }
+                if covers <= 0.0 {
+                    break 'tried;
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! The fence items of a mission, as the autopilot tests them.
 
+use std::cell::LazyCell;
+
 use crate::geodesy::{LatLon, bend_m};
 use crate::mission::{Item, command};
 use crate::numeric::geometry;
@@ -61,14 +63,14 @@ impl Fence {
     /// and the fraction of the stretch. Boundaries that cannot be nearer than
     /// `known_m` may be left out.
     pub(crate) fn margin_m(&self, stretch: &Stretch, known_m: f64) -> (f64, f64) {
-        let around = StretchBox::around(stretch);
+        let around = LazyCell::new(|| StretchBox::around(stretch));
         let mut least = (f64::INFINITY, 0.0);
         for (boundary, keep) in &self.boundaries {
             let found = match boundary {
                 Boundary::Outline(outline) => {
-                    if *keep == Keep::Outside
-                        && outline.bound_m(&around) > known_m.min(least.0).max(0.0)
-                    {
+                    let known_m = known_m.min(least.0).max(0.0);
+                    let may_be_left_out = *keep == Keep::Outside && known_m < f64::INFINITY;
+                    if may_be_left_out && outline.bound_m(&around) > known_m {
                         continue;
                     }
                     outline.margin_m(stretch, *keep)

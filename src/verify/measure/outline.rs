@@ -93,7 +93,12 @@ const ROUNDING_M: f64 = 1e-6;
 
 /// Degrees of longitude from a place to another, the short way round the date line.
 fn short_way_deg(from: LatLon, to: LatLon) -> f64 {
-    (to.lon_deg - from.lon_deg + 540.0).rem_euclid(360.0) - 180.0
+    let turned_deg = to.lon_deg - from.lon_deg + 540.0;
+    // The same remainder to the last bit, and sooner.
+    if (360.0..720.0).contains(&turned_deg) {
+        return turned_deg - 360.0 - 180.0;
+    }
+    turned_deg.rem_euclid(360.0) - 180.0
 }
 
 /// The shape of a zone: a circle is measured as one.
@@ -156,8 +161,8 @@ impl Cylinder {
         let (from, to) = (flat(stretch.from), flat(stretch.to));
         match keep {
             Keep::Outside => {
-                let (distance_m, w) = nearest((0.0, 0.0), from, to);
-                (distance_m - self.radius_m, w)
+                let ((east_m, north_m), w) = nearest((0.0, 0.0), from, to);
+                (east_m.hypot(north_m) - self.radius_m, w)
             }
             Keep::Inside => {
                 let (a, b) = (from.0.hypot(from.1), to.0.hypot(to.1));
@@ -329,25 +334,28 @@ impl View {
     fn boundary_m(&self, at: Flat) -> f64 {
         self.edges()
             .map(|(a, b)| nearest(at, a, b).0)
+            .map(|(east_m, north_m)| east_m.hypot(north_m))
             .fold(f64::INFINITY, f64::min)
     }
 
     /// The least distance from the stretch to an edge: at an end of one of the two.
     fn nearest_edge(&self) -> (f64, f64) {
         let start = (0.0, 0.0);
-        let mut least = (f64::INFINITY, 0.0);
-        let mut offer = |distance_m: f64, w: f64| {
-            if distance_m < least.0 || distance_m.is_nan() {
-                least = (distance_m, w);
+        let mut least = (f64::INFINITY, (f64::INFINITY, 0.0), 0.0);
+        let mut offer = |away: Flat, w: f64| {
+            let square = square(away);
+            if square < least.0 || square.is_nan() {
+                least = (square, away, w);
             }
         };
         for (a, b) in self.edges() {
             offer(nearest(start, a, b).0, 0.0);
             offer(nearest(self.end, a, b).0, 1.0);
-            let (distance_m, w) = nearest(a, start, self.end);
-            offer(distance_m, w);
+            let (away, w) = nearest(a, start, self.end);
+            offer(away, w);
         }
-        least
+        let (_, (east_m, north_m), w) = least;
+        (east_m.hypot(north_m), w)
     }
 }
 
@@ -355,18 +363,22 @@ fn cross(a: Flat, b: Flat) -> f64 {
     a.0 * b.1 - a.1 * b.0
 }
 
-/// Distance from a point to a segment, and the fraction of the segment where that is.
-fn nearest(point: Flat, from: Flat, to: Flat) -> (f64, f64) {
+fn square(away: Flat) -> f64 {
+    away.0 * away.0 + away.1 * away.1
+}
+
+/// The way from the nearest point of a segment to a point, and the fraction of the segment where
+/// that is.
+fn nearest(point: Flat, from: Flat, to: Flat) -> (Flat, f64) {
     let along = (to.0 - from.0, to.1 - from.1);
     let away = (point.0 - from.0, point.1 - from.1);
-    let square = along.0 * along.0 + along.1 * along.1;
-    let w = if square > 0.0 {
-        ((away.0 * along.0 + away.1 * along.1) / square).clamp(0.0, 1.0)
+    let length_sq = square(along);
+    let w = if length_sq > 0.0 {
+        ((away.0 * along.0 + away.1 * along.1) / length_sq).clamp(0.0, 1.0)
     } else {
         0.0
     };
-    let distance_m = (away.0 - along.0 * w).hypot(away.1 - along.1 * w);
-    (distance_m, w)
+    ((away.0 - along.0 * w, away.1 - along.1 * w), w)
 }
 
 #[cfg(test)]
