@@ -257,6 +257,7 @@ pub static COMMANDS: &[CommandRow] = &[
         Unknown("NAV_GUIDED_ENABLE hands over to another computer")),
     both((93, "NAV_DELAY"), Moves),
     row((94, "NAV_PAYLOAD_PLACE"), Moves, Some(at(NEVER)), None),
+    // PX4 receives 112 and 114 in frame 2, and flies no mission with them (`checkMissionItemValidity`, as of January 2026).
     ardupilot((112, "CONDITION_DELAY"), NoMotion),
     ardupilot((114, "CONDITION_DISTANCE"), NoMotion),
     ardupilot((115, "CONDITION_YAW"), NoMotion),

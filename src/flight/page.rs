@@ -4,7 +4,7 @@ use super::conformance::FlownTrack;
 use super::conformance::report::FlightReport;
 use super::record::{Flight, Record};
 use crate::mission::VehicleMission;
-use crate::report::{self, FlownError, FlownFacts, ReviewInput};
+use crate::report::{self, FlownError, FlownFacts, ReviewInput, ServedFacts};
 use crate::spec::{Buffers, MissionSpec};
 use crate::verify::{Flown, Limit, Margin, Moment, Review, Track};
 use crate::world::{Disc, World};
@@ -42,7 +42,10 @@ pub fn flight_page(
     let flown: Vec<FlownFacts> = record
         .flights
         .iter()
-        .map(|flight| facts(flight, &spec, &world))
+        .map(|flight| FlownFacts {
+            served: served(judged, &flight.vehicle),
+            ..facts(flight, &spec, &world)
+        })
         .collect();
     let input = ReviewInput {
         spec: &spec,
@@ -90,5 +93,18 @@ fn facts(flight: &Flight, spec: &MissionSpec, world: &World) -> FlownFacts {
         vehicle: flight.vehicle.clone(),
         planned: ways.collect(),
         errors,
+        served: Vec::new(),
     }
+}
+
+/// What was seen of the stops and tasks of a vehicle.
+fn served(judged: &FlightReport, vehicle: &str) -> Vec<ServedFacts> {
+    let own = judged.vehicles.iter().filter(|of| of.vehicle == vehicle);
+    let seen = own.flat_map(|of| &of.served).map(|of| ServedFacts {
+        label: of.label(),
+        state: of.state.word(),
+        from_s: of.from_s,
+        until_s: of.until_s,
+    });
+    seen.collect()
 }

@@ -20,7 +20,7 @@ pub use infeasibility::{Infeasibility, infeasibilities};
 pub use map::review_svg;
 pub(crate) use page::BASE_STYLE;
 pub use page::{flight_html, review_html};
-pub use scene::{FlownError, FlownFacts};
+pub use scene::{FlownError, FlownFacts, ServedFacts};
 pub use trajectories::{
     TrajectoriesDocument, TrajectorySegment, VehicleTrajectory, trajectories_json,
 };

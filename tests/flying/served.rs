@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::support::sky::{Planned, Sky, US, plan_spec};
 
 use serde_json::Value;
-use sortie::flight::{Fix, Outcome, Reference, ServiceState, flight_json, judge};
+use sortie::flight::{Fix, Outcome, Reference, ServiceState, flight_json, flight_page, judge};
 use sortie::link::{Command, FlightMessage, Message};
 use sortie::mission::command;
 use sortie::spec::SpecFile;
@@ -69,6 +69,26 @@ fn document(plan: &Planned, sky: &Sky<'_>) -> Value {
     serde_json::to_value(document).expect("JSON")
 }
 
+/// The rows of the table of stops and tasks on the page of a flight.
+fn page_rows(plan: &Planned, sky: &Sky<'_>) -> Vec<String> {
+    let missions = plan.dispatched.missions.iter();
+    let missions: Vec<_> = missions.map(|(index, of)| (*index, of)).collect();
+    let (record, judged) = (plan.record(sky), plan.judge(sky));
+    let page = flight_page(&plan.spec, &plan.world, &record, &judged, &missions);
+    let table = page.split_once("<table id=\"served\">");
+    let rows = table.and_then(|(_, after)| after.split_once("<tbody>\n"));
+    let rows = rows.and_then(|(_, after)| after.split_once("    </tbody>"));
+    let (rows, _) = rows.expect("a table of stops and tasks");
+    rows.lines().map(str::to_owned).collect()
+}
+
+/// The row of a vehicle and a stop or task, in a state.
+fn is_row(row: &str, vehicle: &str, label: &str, state: &str) -> bool {
+    let cells =
+        format!("{vehicle}</td><td>{label}</td><td class=\"mark\"><span>{state}</span></td>");
+    row.contains(&cells)
+}
+
 /// The state and times of each stop or task of a vehicle, by its id.
 fn entry<'a>(document: &'a Value, vehicle: &str, kind: &str, id: &str) -> &'a Value {
     let find = |list: &'a Value, id: &str| {
@@ -115,6 +135,22 @@ fn stops_and_tasks_of_every_kind_are_seen_done() {
     }
     assert!(says("task parcel (delivery) picked up"), "{:?}", sky.events);
     assert!(!says("missed"), "{:?}", sky.events);
+    let rows = page_rows(&plan, &sky);
+    assert_eq!(rows.len(), 13, "{rows:#?}");
+    assert!(
+        rows.iter().all(|row| row.starts_with("<tr class=\"ok\">")),
+        "{rows:#?}"
+    );
+    assert!(rows.iter().all(|row| !row.contains('–')), "{rows:#?}");
+    let has = |label: &str| {
+        let mut rows = rows.iter();
+        rows.any(|row| {
+            ["alpha", "bravo"]
+                .iter()
+                .any(|id| is_row(row, id, label, "done"))
+        })
+    };
+    assert!(has("stop s2") && has("task parcel (delivery)"), "{rows:#?}");
     // It is at a stop for as long as planned, and when the plan has it there.
     let s1 = entry(&document, "alpha", "stops", "s1");
     let stay_s = s1["until_s"].as_f64().expect("a time") - s1["from_s"].as_f64().expect("a time");
@@ -194,9 +230,17 @@ fn a_stop_that_is_skipped_is_not_said_to_be_done() {
         while !sky.says(id, "stop s1 done") {
             sky.step();
         }
+        let row_is = |sky: &Sky<'_>, state: &str| {
+            let rows = page_rows(&plan, sky);
+            rows.iter().any(|row| {
+                is_row(row, id, "stop s2", state) && row.contains("<td class=\"num\">–</td></tr>")
+            })
+        };
+        assert!(row_is(&sky, "left"));
         let row = row_of(&plan, index, "s3");
         jump(&mut sky, index, row, first_row);
         assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        assert!(row_is(&sky, "missed"));
         assert!(sky.says(id, "stop s2 missed"), "{:?}", sky.events);
         assert!(!sky.says(id, "stop s2 done"), "{:?}", sky.events);
         assert!(sky.says(id, "stop s3 done (2 of 3)"), "{:?}", sky.events);

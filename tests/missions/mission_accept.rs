@@ -297,6 +297,9 @@ fn commands_without_motion_are_known_to_those_that_accept_them() {
         fine(Px4, action(command));
     }
     assert_eq!(one(Px4, action(600)), (2, "known command"));
+    // PX4 receives a delay of what is done next, and calls the mission not feasible.
+    fine(ArduPilot, action(112));
+    assert_eq!(one(Px4, action(112)), (2, "known command"));
     assert_eq!(one(ArduPilot, action(214)), (2, "known command"));
 }
 

@@ -8,7 +8,7 @@ use sortie::geodesy::{Agl, Amsl, PlanPoint};
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
 use sortie::path::TimedPoint;
 use sortie::plan::{FleetPlan, Route, VehiclePlan};
-use sortie::report::{ReviewInput, review_html, review_svg};
+use sortie::report::{FlownFacts, ReviewInput, flight_html, review_html, review_svg};
 use sortie::spec::*;
 use sortie::verify::{Limit, Margin, Moment, Review, Sense, Track};
 use sortie::world::World;
@@ -37,6 +37,12 @@ impl Facts {
     pub(crate) fn html(&self) -> String {
         let missions: Vec<_> = self.missions.iter().enumerate().collect();
         review_html(&self.input(&missions))
+    }
+
+    /// The page of a flight with these facts.
+    pub(crate) fn flight(&self, flown: &[FlownFacts]) -> String {
+        let missions: Vec<_> = self.missions.iter().enumerate().collect();
+        flight_html(&self.input(&missions), flown)
     }
 
     pub(crate) fn svg(&self) -> String {

@@ -3,7 +3,7 @@
 use std::fs;
 
 use sortie::plan::{BlockingElement, Change, Relaxation, VehiclePlan};
-use sortie::report::infeasibilities;
+use sortie::report::{FlownFacts, ServedFacts, infeasibilities};
 use sortie::spec::{Stop, StopAction, Vehicle};
 use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
@@ -74,6 +74,38 @@ fn the_page_and_the_picture_show_each_stop_with_what_is_done_there() {
     for markup in [facts.html(), facts.svg()] {
         assert_balanced(&markup);
         assert_eq!(markup.matches(shown).count(), 2, "a square and its eye");
+    }
+}
+
+#[test]
+fn the_page_of_a_flight_lists_stops_and_tasks_and_others_have_no_such_list() {
+    let facts = facts(hilly_spec(HOSTILE));
+    let seen = |label: &str, state, from_s, until_s| ServedFacts {
+        label: label.to_owned(),
+        state,
+        from_s,
+        until_s,
+    };
+    let flown = [FlownFacts {
+        vehicle: HOSTILE[0].to_owned(),
+        served: vec![
+            seen("stop mast <1>", "done", Some(61.0), Some(75.2)),
+            seen("task roof (visit)", "missed", Some(90.0), None),
+            seen("task yard (delivery)", "left", None, None),
+        ],
+        ..FlownFacts::default()
+    }];
+    let html = facts.flight(&flown);
+    assert_balanced(&html);
+    for cells in [
+        "<td>stop mast &lt;1&gt;</td><td class=\"mark\"><span>done</span></td><td class=\"num\">1:01</td><td class=\"num\">1:15</td>",
+        "<td>task roof (visit)</td><td class=\"mark\"><span>missed</span></td><td class=\"num\">1:30</td><td class=\"num\">–</td>",
+        "<td>task yard (delivery)</td><td class=\"mark\"><span>left</span></td><td class=\"num\">–</td><td class=\"num\">–</td>",
+    ] {
+        assert!(html.contains(cells), "{cells}");
+    }
+    for page in [facts.html(), facts.flight(&[])] {
+        assert!(!page.contains("Stops and tasks"));
     }
 }
 

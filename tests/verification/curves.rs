@@ -280,6 +280,26 @@ fn a_copter_stops_at_the_waypoint_before_a_loiter_to_altitude() {
 }
 
 #[test]
+fn a_copter_of_px4_that_loiters_to_an_altitude_is_said_not_to_be_modelled() {
+    let to = at(
+        command::NAV_LOITER_TO_ALT,
+        frame::GLOBAL,
+        spot(400.0, 400.0),
+        UP_M,
+        0.0,
+    );
+    let (mut spec, mut mission) = flown(&[waypoint(spot(400.0, 0.0), UP_M), to]);
+    assert_eq!(judged(&judge(&spec, &mission)), Ok(()));
+    spec.vehicles[0].autopilot = Autopilot::Px4;
+    mission.autopilot = Autopilot::Px4;
+    let why = judged(&judge(&spec, &mission)).expect_err("its motion is not known");
+    assert!(
+        why.contains("NAV_LOITER_TO_ALT on a copter of PX4 is not modelled"),
+        "{why}"
+    );
+}
+
+#[test]
 fn a_payload_is_placed_by_a_column_down_to_the_ground_and_up_again() {
     let place = spot(500.0, 0.0);
     let payload = at(command::NAV_PAYLOAD_PLACE, frame::GLOBAL, place, 0.0, 0.0);

@@ -13,7 +13,7 @@ use sortie::mission::{Home, Item, VehicleMission, build, command, frame};
 use sortie::path::TimedPoint;
 use sortie::spec::*;
 use sortie::verify::{Limit, Margin, Review, review};
-use sortie::world::{Terrain, TerrainGrid, World};
+use sortie::world::{Departure, Terrain, TerrainGrid, World};
 use support::{copter, empty_spec, place, world};
 
 fn judge(spec: &MissionSpec, missions: &[&VehicleMission]) -> Review {
@@ -600,6 +600,43 @@ fn a_vehicle_that_only_goes_up_and_down_has_no_clearance_to_pass_with() {
     let review = judge(&spec, &[&mission]);
     let margin = find(&review, Limit::TerrainClearance);
     assert!(!margin.ok && margin.note.contains("flies nowhere"));
+}
+
+#[test]
+fn a_vehicle_that_begins_in_its_landing_descent_is_judged_by_its_column() {
+    let (mut spec, mut mission) = one();
+    spec.vehicles.push(copter("bravo", 2, west(), east()));
+    spec.separation.distance_m = 50.0;
+    mission.items = vec![speed(15.0), land(east())];
+    let mut world = world(&spec);
+    let over = PlanPoint {
+        at: world.frame.to_plan(east()),
+        amsl: Amsl(GROUND_M + 40.0),
+    };
+    world.stations[0].departure = Departure::Airborne {
+        point: over,
+        course_rad: 0.0,
+        speed_mps: 0.0,
+        at_s: 600.0,
+    };
+    // Above it before it has landed, 10 km on the way.
+    let other = level(&spec.vehicles[1], GROUND_M + 60.0, &[west(), east()]);
+    let review = judge_in(&spec, &world, &[&mission, &other]);
+    let own = |limit: Limit| {
+        let mut margins = review.margins.iter();
+        margins.find(|margin| margin.vehicle == "alpha" && margin.limit == limit)
+    };
+    assert!(
+        own(Limit::TerrainClearance).is_none(),
+        "{:#?}",
+        failures(&review)
+    );
+    assert!(own(Limit::GroundContact).is_some_and(|margin| margin.ok));
+    assert!(!find(&review, Limit::Separation).ok);
+    // Where it only comes down to a waypoint it has no landing to come down for.
+    mission.items = vec![waypoint(east(), GROUND_M + 40.0), land(east())];
+    let review = judge_in(&spec, &world, &[&mission]);
+    assert!(!find(&review, Limit::TerrainClearance).ok);
 }
 
 #[test]

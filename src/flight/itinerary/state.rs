@@ -49,6 +49,12 @@ impl ServiceState {
 }
 
 impl Served {
+    /// What it is called in messages and on pages.
+    #[must_use]
+    pub fn label(&self) -> String {
+        self.kind.label(&self.id)
+    }
+
     /// By what was seen of each stop of the itinerary.
     pub(crate) fn of(service: &Service, seen: &[Seen]) -> Self {
         let own = service.stops.iter().filter_map(|stop| seen.get(*stop));

@@ -81,16 +81,21 @@ impl ServiceKind {
             Self::Search => "search",
         }
     }
+
+    /// What one of this name is called.
+    pub(super) fn label(self, id: &str) -> String {
+        match self {
+            Self::Stop => format!("stop {id}"),
+            kind => format!("task {id} ({})", kind.word()),
+        }
+    }
 }
 
 impl Service {
     /// What it is called in messages.
     #[must_use]
     pub fn label(&self) -> String {
-        match self.kind {
-            ServiceKind::Stop => format!("stop {}", self.id),
-            kind => format!("task {} ({})", self.id, kind.word()),
-        }
+        self.kind.label(&self.id)
     }
 }
 

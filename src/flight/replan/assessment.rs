@@ -133,9 +133,8 @@ impl Assessment<'_> {
                 "it still climbs after its takeoff: give the threat again when it is on its way";
             return Err(why.to_owned());
         }
-        if state.is_placing {
-            let why = "it is placing its load: give the threat again when it goes on";
-            return Err(why.to_owned());
+        if let Some(column) = state.column {
+            return Err(column.why().to_owned());
         }
         let vehicle = &self.plan.spec().vehicles[state.vehicle];
         let lead_m = lead_s * vehicle.fastest_mps();
@@ -144,6 +143,11 @@ impl Assessment<'_> {
                 "it is at the end of its way within {lead_s:.0} s, before it can have a new one"
             )
         })?;
+        if state.drops_at(&branch) {
+            return Err(format!(
+                "it is in a drop within {lead_s:.0} s, before it can have a new path: give the threat again when it rests above it"
+            ));
+        }
         for threat in met {
             let (id, radius_m) = (&threat.id, threat.radius_m);
             let center = self.plan.world.frame.to_plan(threat.place);

@@ -8,7 +8,9 @@
 mod assessment;
 mod diversions;
 mod document;
+mod in_column;
 mod joint_plan;
+mod near;
 mod new_mission;
 mod observation;
 mod state;

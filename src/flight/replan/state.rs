@@ -1,5 +1,7 @@
 //! The state of a vehicle in flight: what it holds, where it is, what it has ahead.
 
+use super::in_column::{InColumn, puts_down};
+use super::near::comes_near;
 use super::observation::ObservedVehicle;
 use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::itinerary::rows::left_of;
@@ -9,7 +11,7 @@ use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
-use crate::spec::{Stop, Vehicle};
+use crate::spec::{Stop, Vehicle, Wing};
 use crate::verify::Track;
 use crate::world::{Departure, Stations};
 
@@ -36,8 +38,10 @@ pub struct VehicleState {
     speed_mps: f64,
     /// Whether its takeoff is not over: it must not be diverted low over the ground.
     pub(super) takes_off: bool,
-    /// Whether it places a load: whatever its mission is by then, it ends that first.
-    pub(super) is_placing: bool,
+    /// The column that it is in: whatever its mission is by then, it leaves that first.
+    pub(super) column: Option<InColumn>,
+    /// For each waypoint ahead whether the way to it is in the column of a drop.
+    drops: Vec<bool>,
     /// Its flown track since the threat came up.
     pub(super) flown: Vec<PlanPoint>,
     /// Whether it flies its mission; else it holds, or somebody flies it.
@@ -139,22 +143,20 @@ impl VehicleState {
         let itinerary = plan.itineraries.get(vehicle);
         let left = itinerary.map(|itinerary| left_of(itinerary, &reference, row));
         let (origin, mut ahead) = split_path(&reference, row);
-        // A load is put down at a stop: no waypoint of its own.
-        let puts_down = |index: usize| {
-            let item = held.items.get(index);
-            item.is_some_and(|item| item.command == command::NAV_PAYLOAD_PLACE)
-        };
-        ahead.retain(|(index, _)| !puts_down(*index));
-        let is_placing = puts_down(row - 1);
-        let stands = observed.position.above_home_m() < AIRBORNE_M;
+        let column = InColumn::of(&held, &reference, row, here);
+        // A load is put down at a stop: no waypoint of its own. One that comes down to land does not rise
+        // again to where its descent began.
+        let is_landing = column == Some(InColumn::Landing);
+        let is_load = |index: &usize| held.items.get(*index).is_some_and(puts_down);
+        ahead.retain(|(index, _)| !is_landing && !is_load(index));
+        let in_drop = |(index, point): &(usize, PlanPoint)| reference.dips_at(index + 1, point.at);
+        let drops = ahead.iter().map(in_drop).collect();
+        let stands = stands(observed, &held.items, row);
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some((_, top))) = (rising, ahead.first_mut()) {
             top.at = here.at;
         }
         let [north_cmps, east_cmps, _] = observed.position.velocity_cmps.map(f64::from);
-        let wing = plan.vehicle(vehicle).wing;
-        #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
-        let stay_radius_m = wing.map_or(0.0, |wing| wing.loiter_radius_m as f32);
         let station = plan.world.stations.get(vehicle);
         let vias = station.map_or_else(Vec::new, |of| vias(&held, &ahead, (of.start, of.goal)));
         Ok(Self {
@@ -165,7 +167,8 @@ impl VehicleState {
             course_rad: east_cmps.atan2(north_cmps),
             speed_mps: observed.position.ground_speed_mps(),
             takes_off: rising,
-            is_placing,
+            column,
+            drops,
             flown: threat_time.flown_track(plan, observed),
             in_mission: modes::is_mission(planned, observed.beat.custom_mode),
             origin: origin.filter(|_| !rising).unwrap_or(here),
@@ -174,7 +177,7 @@ impl VehicleState {
             stands,
             vias,
             left: left.unwrap_or_default(),
-            stay_radius_m,
+            stay_radius_m: stay_radius_m(plan.vehicle(vehicle)),
         })
     }
 
@@ -235,6 +238,11 @@ impl VehicleState {
             left_m -= length_m;
         }
         None
+    }
+
+    /// Whether a branch lies in the column of a drop.
+    pub(super) fn drops_at(&self, branch: &Branch) -> bool {
+        self.drops.get(branch.retained).is_some_and(|drops| *drops)
     }
 
     /// The routes to plan from a branch, end to end.
@@ -335,6 +343,20 @@ impl VehicleState {
         };
         last.map_or_else(none, |(index, _)| after_actions(&self.held.items, *index))
     }
+}
+
+/// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.
+fn stay_radius_m(vehicle: &Vehicle) -> f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
+    let radius_m = |wing: &Wing| wing.loiter_radius_m as f32;
+    vehicle.wing.as_ref().map_or(0.0, radius_m)
+}
+
+/// Whether a vehicle stands on the ground and has its takeoff ahead: one that has taken off may land below
+/// its home.
+fn stands(observed: &ObservedVehicle, items: &[Item], row: usize) -> bool {
+    let is_low = observed.position.above_home_m() < AIRBORNE_M;
+    is_low && items.iter().skip(row - 1).any(is_takeoff)
 }
 
 /// Index of the first item after a waypoint that is more than something done there.
@@ -457,29 +479,4 @@ fn with_amsl(item: &Item, home: &Home) -> Item {
         item.z += home.amsl_m;
     }
     item
-}
-
-/// Whether a path comes nearer than a distance to a place.
-fn comes_near(path: &[PlanPoint], center: EastNorth, distance_m: f64) -> bool {
-    let pairs = path.windows(2).map(|pair| (pair[0].at, pair[1].at));
-    let alone = path.last().map(|last| (last.at, last.at));
-    pairs
-        .chain(alone)
-        .any(|(a, b)| away_m(center, a, b) < distance_m)
-}
-
-/// Distance of a point of the plane from a leg, metres.
-fn away_m(from: EastNorth, a: EastNorth, b: EastNorth) -> f64 {
-    let (east, north) = (b.east_m - a.east_m, b.north_m - a.north_m);
-    let length_sq = east * east + north * north;
-    let gone = (from.east_m - a.east_m) * east + (from.north_m - a.north_m) * north;
-    let share = if length_sq > 0.0 {
-        (gone / length_sq).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    from.distance_m(EastNorth {
-        east_m: a.east_m + share * east,
-        north_m: a.north_m + share * north,
-    })
 }

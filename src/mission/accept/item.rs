@@ -14,7 +14,8 @@ pub(crate) fn known_command(profile: &Profile, item: &Item) -> Option<Finding> {
         Some(rule) => format!("in {} {}", profile.autopilot.name(), rule.versions),
         None => "the commands this autopilot knows".to_owned(),
     };
-    Some((format!("command {}", item.command), allowed))
+    let name = row.map_or_else(String::new, |row| format!(" ({})", row.name));
+    Some((format!("command {}{name}", item.command), allowed))
 }
 
 pub(crate) fn allowed_frame(profile: &Profile, item: &Item) -> Option<Finding> {

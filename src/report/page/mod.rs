@@ -77,7 +77,7 @@ struct Approach {
 /// The page: HTML that opens from disk without a network.
 #[must_use]
 pub fn review_html(input: &ReviewInput<'_>) -> String {
-    page(input, Scene::new(input))
+    page(input, Scene::new(input), &[])
 }
 
 /// The page of a flight: the tracks of `input` are flown tracks, and `flown` has their plans.
@@ -87,10 +87,10 @@ pub fn flight_html(input: &ReviewInput<'_>, flown: &[FlownFacts]) -> String {
     for facts in flown {
         scene.lay_under(facts);
     }
-    page(input, scene)
+    page(input, scene, flown)
 }
 
-fn page(input: &ReviewInput<'_>, scene: Scene) -> String {
+fn page(input: &ReviewInput<'_>, scene: Scene, flown: &[FlownFacts]) -> String {
     let ranked = words::ranked(input.review);
     let shown = &ranked[..ranked.len().min(MAX_ROWS)];
     let data = Data {
@@ -111,6 +111,7 @@ fn page(input: &ReviewInput<'_>, scene: Scene) -> String {
         "legend" => legend(&scene.vehicles),
         "coarse" => coarse(&scene),
         "infeasible" => infeasible(input),
+        "served" => tables::served(input, flown, MAX_ROWS),
         "rows" => tables::margins(shown),
         "left-out" => left_out(ranked.len() - shown.len()),
         "fleet" => tables::fleet(input, &scene),

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::mission::VehicleMission;
 use crate::plan::VehiclePlan;
 use crate::report::documents::finite;
-use crate::report::scene::{Scene, VehicleShape};
+use crate::report::scene::{FlownFacts, Scene, ServedFacts, VehicleShape};
 use crate::report::words::{self, Ranked, escaped};
 use crate::report::{COLOURS, ReviewInput};
 use crate::spec::Vehicle;
@@ -120,6 +120,60 @@ pub(in crate::report) fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String
             )
         })
         .collect()
+}
+
+/// The stops and tasks of each vehicle of a flight, no more than `most` rows; empty without any.
+pub(in crate::report) fn served(
+    input: &ReviewInput<'_>,
+    flown: &[FlownFacts],
+    most: usize,
+) -> String {
+    let of = |facts: &FlownFacts| facts.served.len();
+    let count: usize = flown.iter().map(of).sum();
+    if count == 0 {
+        return String::new();
+    }
+    let is = |id: &str| {
+        input
+            .spec
+            .vehicles
+            .iter()
+            .position(|vehicle| vehicle.id == id)
+    };
+    let rows = flown.iter().flat_map(|facts| {
+        let colour = is(&facts.vehicle).unwrap_or(0) % COLOURS.len();
+        let vehicle = escaped(&facts.vehicle);
+        let row = move |of: &ServedFacts| served_row(of, colour, &vehicle);
+        facts.served.iter().map(row)
+    });
+    let rows: String = rows.take(most).collect();
+    let more = match count.saturating_sub(most) {
+        0 => String::new(),
+        more => format!("<p class=\"note\">{more} more are in flight.json.</p>"),
+    };
+    format!(
+        "<section id=\"served-section\">\n  <h2>Stops and tasks</h2>\n  <div class=\"scroll\">\n  <table id=\"served\">\n    \
+         <thead><tr><th>Vehicle</th><th>What</th><th>Seen</th><th class=\"num\">From</th>\
+         <th class=\"num\">Until</th></tr></thead>\n    <tbody>\n{rows}    </tbody>\n  </table>\n  </div>\n  \
+         {more}\n</section>"
+    )
+}
+
+fn served_row(of: &ServedFacts, colour: usize, vehicle: &str) -> String {
+    let class = match of.state {
+        "done" => "ok",
+        "missed" => "bad",
+        _ => "open",
+    };
+    let at = |t_s: Option<f64>| t_s.map_or_else(|| "–".to_owned(), words::clock);
+    format!(
+        "<tr class=\"{class}\"><td><i class=\"swatch v{colour}\"></i>{vehicle}</td><td>{label}</td>\
+         <td class=\"mark\"><span>{state}</span></td><td class=\"num\">{from}</td><td class=\"num\">{until}</td></tr>\n",
+        label = escaped(&of.label),
+        state = of.state,
+        from = at(of.from_s),
+        until = at(of.until_s),
+    )
 }
 
 fn cost(planned: Option<&VehiclePlan>) -> String {

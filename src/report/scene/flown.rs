@@ -28,6 +28,21 @@ pub struct FlownFacts {
     pub planned: Vec<Vec<PlanPoint>>,
     /// In order of time.
     pub errors: Vec<FlownError>,
+    /// Its stops and tasks, in the order in which they begin.
+    pub served: Vec<ServedFacts>,
+}
+
+/// A stop or a task of a vehicle, and what was seen of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ServedFacts {
+    /// What it is called: `stop west`, `task delivery-2 (delivery)`.
+    pub label: String,
+    /// `done`, `left` or `missed`.
+    pub state: &'static str,
+    /// When it began, seconds after T0; none where it was not seen to.
+    pub from_s: Option<f64>,
+    /// When it was done, seconds after T0; none where it was not seen done.
+    pub until_s: Option<f64>,
 }
 
 /// The shapes that the views draw.

@@ -15,7 +15,7 @@ use crate::spec::{Arrival, Finish, MissionSpec, Stop, SweepShape, Vehicle};
 use crate::verify::Limit;
 use crate::world::{PlanZone, World};
 use flown::FlownShape;
-pub use flown::{FlownError, FlownFacts};
+pub use flown::{FlownError, FlownFacts, ServedFacts};
 pub(in crate::report) use relief::{Bounds, Relief, round_step};
 use simplify::simplify;
 pub(in crate::report) use track::{Ending, TrackShape};

@@ -74,7 +74,7 @@ pub(crate) fn fly(
         tangent: None,
         hull: None,
     };
-    pilot.depart();
+    pilot.depart(mission);
     pilot.flight.unknown = pilot.fly(&orders, mission);
     pilot.gain();
     pilot.flight.chords = pilot.trajectory.chords;
@@ -132,13 +132,15 @@ pub(crate) struct Pilot<'a> {
 
 impl Pilot<'_> {
     /// Begins in the air, if it is there.
-    fn depart(&mut self) {
+    fn depart(&mut self, mission: &VehicleMission) {
         if let Departure::Airborne { point, at_s, .. } = self.stations.departure {
             self.airborne = true;
             self.phase = Phase::Route;
             self.trajectory.t_s = at_s;
             self.knots = vec![self.knot(0, point.at, point.amsl.0, None)];
             self.mark();
+            self.flight.begins_in_column =
+                ends::lands_first(&mission.items) || self.is_at_drop(point.amsl.0);
         }
     }
 

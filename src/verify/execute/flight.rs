@@ -152,6 +152,8 @@ pub(crate) struct Flight {
     /// Index of the chord that stands for all laps of a mission that repeats for ever: the
     /// vehicle is anywhere around it. For the separation alone.
     pub(crate) repetition: Option<usize>,
+    /// Whether it begins in the air in its landing descent or in a drop: no route may be left of it.
+    pub(crate) begins_in_column: bool,
     /// Whether the altitude above ground is the vehicle's own doing somewhere.
     pub(crate) follows_terrain: bool,
 }

@@ -117,7 +117,7 @@ impl<'a> Space<'a> {
         let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
             let why = "the vehicle leaves the ground and flies nowhere";
             let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
-            (!flight.chords.is_empty()).then(unjudged)
+            (!flight.chords.is_empty() && !flight.begins_in_column).then(unjudged)
         });
         [
             clearance,

@@ -75,6 +75,15 @@ pub(crate) fn goes_nowhere(items: &[Item]) -> bool {
     })
 }
 
+/// Whether the first motion of a mission is a landing.
+pub(crate) fn lands_first(items: &[Item]) -> bool {
+    let navigates =
+        |item: &&Item| item.command <= command::NAV_LAST && item.command != command::NAV_DELAY;
+    let lands = [command::NAV_LAND, command::NAV_VTOL_LAND];
+    let first = items.iter().find(navigates);
+    first.is_some_and(|item| lands.contains(&item.command))
+}
+
 impl Pilot<'_> {
     /// Lands at a place, which it flies to at the altitude that it has, or where it is.
     pub(crate) fn land(

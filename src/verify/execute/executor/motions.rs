@@ -45,7 +45,7 @@ impl Pilot<'_> {
     }
 
     /// Whether an altitude here is one that a place of the spec below the least height above ground asks for.
-    fn is_at_drop(&self, amsl_m: f64) -> bool {
+    pub(super) fn is_at_drop(&self, amsl_m: f64) -> bool {
         let at = self.last().at;
         self.drops.iter().any(|drop| {
             let is_over = drop.top.at.distance_m(at) <= self.tolerance_m;
