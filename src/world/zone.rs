@@ -203,6 +203,11 @@ impl PlanZone {
         (self.bounds).is_some_and(|bounds| (bounds.min().y..=bounds.max().y).contains(&north_m))
     }
 
+    /// Whether the box around the outline meets a range of eastings, metres.
+    pub(crate) fn meets_east(&self, from_m: f64, to_m: f64) -> bool {
+        (self.bounds).is_some_and(|bounds| bounds.min().x <= to_m && bounds.max().x >= from_m)
+    }
+
     /// Whether a point of the plane lies in the box around the outline.
     #[must_use]
     pub fn is_near(&self, at: EastNorth) -> bool {

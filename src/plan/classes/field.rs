@@ -255,11 +255,16 @@ fn base_m(world: &World, grid: &Grid) -> Vec<f64> {
 /// The lowest altitude allowed at the nodes of a grid, as [`floor_at`] has it.
 fn floors((world, layer): (&World, Layer), grid: &Grid) -> Vec<Option<f64>> {
     let mut floors = Vec::with_capacity(grid.len());
+    let (west_m, east_m) = (grid.at(0).east_m, grid.at(grid.columns - 1).east_m);
+    let within = world.zones.iter();
+    let within: Vec<&PlanZone> = within
+        .filter(|zone| zone.meets_east(west_m, east_m))
+        .collect();
     for row in 0..grid.rows {
         let nodes = row * grid.columns..(row + 1) * grid.columns;
         let north_m = grid.at(nodes.start).north_m;
-        let zones = world.zones.iter().filter(|zone| zone.spans_north(north_m));
-        let zones: Vec<&PlanZone> = zones.collect();
+        let zones = within.iter().filter(|zone| zone.spans_north(north_m));
+        let zones: Vec<&PlanZone> = zones.copied().collect();
         floors.extend(nodes.map(|node| floor_at((world, layer), &zones, grid.at(node))));
     }
     floors

@@ -16,6 +16,8 @@ pub(crate) struct Worst {
     sense: Sense,
     at: Option<Moment>,
     note: String,
+    /// Nobody asks where and when that is.
+    is_room_alone: bool,
 }
 
 impl Default for Worst {
@@ -27,6 +29,7 @@ impl Default for Worst {
             sense: Sense::AtLeast,
             at: None,
             note: String::new(),
+            is_room_alone: false,
         }
     }
 }
@@ -62,7 +65,7 @@ impl Worst {
             self.room = room;
             self.value = value;
             self.bound = bound;
-            self.at = Some(at());
+            self.at = (!self.is_room_alone).then(at);
         }
     }
 
@@ -91,17 +94,32 @@ pub(crate) fn nearest_first<T>(
     silent: f64,
     judge: impl Fn(&T, &mut Worst),
 ) -> Worst {
+    let room = |part: &T| {
+        let mut alone = Worst {
+            is_room_alone: true,
+            ..Worst::default()
+        };
+        judge(part, &mut alone);
+        alone.room
+    };
     let bounds: Vec<f64> = parts.iter().map(bound).collect();
-    let mut known = Worst::default();
     let nearest = (0..parts.len()).min_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
-    if let Some(index) = nearest {
-        judge(&parts[index], &mut known);
+    let known = nearest.map_or(f64::INFINITY, |index| room(&parts[index]));
+    let (mut least, mut first) = (f64::INFINITY, None);
+    for (part, bound) in parts.iter().zip(bounds) {
+        if bound <= least.min(known).max(silent) {
+            let room = room(part);
+            if room < least || room.is_nan() {
+                (least, first) = (room, Some(part));
+            }
+            if room.is_nan() {
+                break;
+            }
+        }
     }
     let mut worst = Worst::default();
-    for (part, bound) in parts.iter().zip(bounds) {
-        if bound <= worst.room().min(known.room()).max(silent) {
-            judge(part, &mut worst);
-        }
+    if let Some(part) = first {
+        judge(part, &mut worst);
     }
     worst
 }
