@@ -79,9 +79,6 @@ impl Run<'_> {
     }
 }
 
-/// Most assignments of tasks that are planned.
-const ASSIGNMENTS: usize = 4;
-
 /// Plans the fleet, and plans again the vehicles that fail, with stricter margins.
 ///
 /// An infeasible mission is not an error: the review names the violated limits. It is that of the
@@ -145,8 +142,8 @@ fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
         ..run
     };
     let mut best: Option<Dispatched> = None;
-    for _ in 0..ASSIGNMENTS {
-        let tasks = assigner.assign();
+    let mut next = Some(assigner.assign());
+    while let Some(tasks) = next.take() {
         let mut done = dispatch_ordered(Job {
             spec: &tasks.spec,
             world: &tasks.world,
@@ -163,10 +160,9 @@ fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
                 margin.note = format!("{}: {}", margin.note, left.why);
             }
         }
-        let used = over_endurance(spec, &done.review);
-        let late = missed_windows(spec, &done.review);
-        assigner.hurry(&late);
-        let learns = assigner.learn(&tasks, &used) || !late.is_empty();
+        if !run.is_cancelled() {
+            next = assigned_again(&mut assigner, &tasks, &done.review);
+        }
         done.tasks = Some(Box::new(tasks));
         if best
             .as_ref()
@@ -174,33 +170,53 @@ fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
         {
             best = Some(done);
         }
-        if !learns || run.is_cancelled() {
-            break;
-        }
     }
     best.unwrap_or_else(|| dispatch_ordered(whole))
 }
 
+/// The tasks assigned by what the verdict on a plan teaches; none where that is nothing.
+fn assigned_again(
+    assigner: &mut Assigner<'_>,
+    tasks: &FleetTasks,
+    review: &Review,
+) -> Option<FleetTasks> {
+    let spec = assigner.spec();
+    let late = missed_windows(spec, review);
+    assigner.hurry(&late);
+    let learns = assigner.learn(tasks, &used_endurance(spec, review)) || !late.is_empty();
+    let (flights, undone) = violated(review);
+    let goes_on = match (flights, undone) {
+        (0, 0) => false,
+        (0, _) => assigner.is_cautious(),
+        _ => true,
+    };
+    (goes_on && (assigner.tries_again(learns) || assigner.tries_otherwise()))
+        .then(|| assigner.assign())
+}
+
 /// Violated limits of flights, then tasks that are not done.
 fn severity(done: &Dispatched) -> (usize, usize) {
-    let failed = done.review.margins.iter().filter(|margin| !margin.ok);
+    violated(&done.review)
+}
+
+fn violated(review: &Review) -> (usize, usize) {
+    let failed = review.margins.iter().filter(|margin| !margin.ok);
     let (tasks, others): (Vec<_>, Vec<_>) =
         failed.partition(|margin| matches!(margin.limit, Limit::Task(_) | Limit::AreaCovered(_)));
     (others.len(), tasks.len())
 }
 
-/// The vehicles that use more than they may, by their indices, and what they use as a share of it.
-fn over_endurance(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
+/// What each vehicle uses as a share of what it may, by its index.
+fn used_endurance(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
     let fleet = spec.vehicles.iter().enumerate();
     fleet
         .filter_map(|(index, vehicle)| {
             let mut margins = review.margins.iter();
-            let is_over = |margin: &&Margin| {
-                margin.vehicle == vehicle.id && margin.limit == Limit::Endurance && !margin.ok
-            };
-            let margin = margins.find(is_over)?;
+            let is_own =
+                |margin: &&Margin| margin.vehicle == vehicle.id && margin.limit == Limit::Endurance;
+            let margin = margins.find(is_own)?;
             let share = margin.value / margin.bound;
-            (share.is_finite() && share > 1.0).then_some((index, share))
+            share.is_finite().then_some((index, share))
         })
         .collect()
 }

@@ -14,11 +14,13 @@ mod heights;
 mod kml;
 mod openair;
 mod periods;
+mod wkt;
 mod write;
 
 #[cfg(test)]
 mod tests;
 
+pub use wkt::{geojson_of_wkt, is_wkt};
 pub use write::{Format, Rewritten, write, write_as};
 
 use jiff::Timestamp;

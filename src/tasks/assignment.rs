@@ -151,6 +151,35 @@ impl Assignment<'_> {
         waits
     }
 
+    /// The first place of a job whose window is shorter than what a vehicle straight from its start may
+    /// be late there; with that time, at least, which a window has to have.
+    #[must_use]
+    pub fn short_window(&self, vehicle: usize, job: usize) -> Option<(usize, u64)> {
+        let (own, of) = (self.vehicles.get(vehicle)?, self.jobs.get(job)?);
+        if !of.vehicles[vehicle] {
+            return None;
+        }
+        let mut at = own.start;
+        let (mut early, mut late) = (own.begins, own.begins);
+        for (position, visit) in of.visits.iter().enumerate() {
+            let way = own.ways[at][visit.place]?;
+            early += u64::from(way.time) * SOONEST / 1000;
+            late += (u64::from(way.time) * own.slowest).div_ceil(1000);
+            let mut rest = u64::from(visit.rest);
+            if let Some((first, last)) = visit.window {
+                let wait = first.saturating_sub(early).div_ceil(own.wait_step) * own.wait_step;
+                // Who is there only after the window begins may be too late for a long one as well.
+                if early <= last && last.saturating_sub(first) < late - early {
+                    return Some((position, late - early));
+                }
+                rest += wait;
+            }
+            (early, late) = (early + rest, late + rest);
+            at = visit.place;
+        }
+        None
+    }
+
     fn walk(
         &self,
         vehicle: usize,

@@ -6,12 +6,16 @@
 
 mod estimate;
 mod expand;
+mod learn;
+mod why;
+
+use learn::Trial;
 
 use super::areas::{Layout, SweepLine, lay_out};
-use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Spent, Visit, Way};
+use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Visit, Way};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::plan::least_lengths_m;
-use crate::spec::{MAX_STOPS, MissionSpec, Stop, Sweep, Task};
+use crate::spec::{MissionSpec, Stop, Sweep, Task};
 use crate::world::World;
 
 /// Parts of a budget.
@@ -20,10 +24,6 @@ const BUDGET: f64 = 1e9;
 const PER_SECOND: f64 = 10.0;
 /// How long ways may take at first, in thousandths of their estimates.
 const SLOWEST: u64 = 1030;
-/// By how much more where a window was missed.
-const SLOWER: u64 = 30;
-/// Raised estimates are raised by this more.
-const SURPLUS: f64 = 1.01;
 
 /// The tasks of a fleet as they are assigned.
 #[derive(Clone, Debug)]
@@ -91,6 +91,8 @@ pub struct Assigner<'a> {
     factors: Vec<f64>,
     /// How long the ways of each vehicle may take, in thousandths of their estimates.
     slowest: Vec<u64>,
+    /// How the tasks are assigned, by what did not pass before.
+    trial: Trial,
 }
 
 impl<'a> Assigner<'a> {
@@ -118,11 +120,9 @@ impl<'a> Assigner<'a> {
                 });
             }
         }
-        let layouts: Vec<Option<Layout>> = spec
-            .tasks
-            .iter()
-            .map(|task| Some(lay_out(task.sweep.as_ref()?, world)))
-            .collect();
+        let tasks = spec.tasks.iter();
+        let layouts = tasks.map(|task| Some(lay_out(task.sweep.as_ref()?, world)));
+        let layouts: Vec<Option<Layout>> = layouts.collect();
         for (task, layout) in layouts.iter().enumerate() {
             let lines = layout.iter().flat_map(|layout| &layout.lines).enumerate();
             for (number, line) in lines {
@@ -154,6 +154,7 @@ impl<'a> Assigner<'a> {
             points,
             factors: vec![1.0; spec.vehicles.len()],
             slowest: vec![SLOWEST; spec.vehicles.len()],
+            trial: Trial::default(),
         })
     }
 
@@ -197,22 +198,6 @@ impl<'a> Assigner<'a> {
             self.expand(&mut tasks, vehicle, (visits, &waits));
         }
         tasks
-    }
-
-    /// Raises the estimates of vehicles whose plans use more than they may: each by its index, and
-    /// what its plan uses as a share of that. Whether a vehicle with tasks is among them.
-    pub fn learn(&mut self, tasks: &FleetTasks, used: &[(usize, f64)]) -> bool {
-        let mut learns = false;
-        for &(index, share) in used {
-            let (on_ways, in_all) = tasks.estimated[index];
-            if on_ways > 0.0 && !tasks.done[index].is_empty() {
-                let on_rests = in_all - on_ways;
-                let planned = share * BUDGET - self.overhead(index) - on_rests;
-                self.factors[index] *= (planned / on_ways).max(1.0) * SURPLUS;
-                learns = true;
-            }
-        }
-        learns
     }
 
     /// The tasks in their order, then the stops of each vehicle.
@@ -280,77 +265,6 @@ impl<'a> Assigner<'a> {
             let agl_m = ground.map_or(f64::INFINITY, |ground| at.amsl.above_ground(ground).0);
             agl_m <= layer.max_agl_m && at.amsl.0 >= layer.min_amsl_m
         })
-    }
-
-    /// Expects longer ways of these vehicles, whose plans miss windows.
-    pub fn hurry(&mut self, late: &[usize]) {
-        for &vehicle in late {
-            self.slowest[vehicle] += SLOWER;
-        }
-    }
-
-    /// The tasks that are not done, or not wholly, and why.
-    fn left(&self, assignment: &Assignment<'_>, units: &[usize]) -> Vec<TaskLeft> {
-        let groups = units.chunk_by(|one, other| self.units[*one].task == self.units[*other].task);
-        let mut left: Vec<(usize, TaskLeft)> = Vec::new();
-        for group in groups {
-            let (first, task) = (group[0], self.units[group[0]].task);
-            let why = self.why(assignment, first);
-            let lines = self.layouts[task].as_ref().map(|layout| layout.lines.len());
-            let numbers: Vec<String> = group
-                .iter()
-                .filter_map(|&unit| Some((self.units[unit].line? + 1).to_string()))
-                .collect();
-            let why = match lines {
-                Some(lines) => format!(
-                    "{} of {lines} lines ({}): {why}",
-                    numbers.len(),
-                    numbers.join(", ")
-                ),
-                None => why,
-            };
-            let id = self.spec.tasks[task].id.clone();
-            left.push((task, TaskLeft { id, why }));
-        }
-        left.sort_by_key(|(task, _)| *task);
-        left.into_iter().map(|(_, left)| left).collect()
-    }
-
-    /// Why a unit found no vehicle.
-    fn why(&self, assignment: &Assignment<'_>, unit: usize) -> String {
-        let task = self.units[unit].task;
-        let fleet = self.spec.vehicles.iter().enumerate();
-        let alone = fleet.filter_map(|(vehicle, own)| {
-            let spent: Spent = assignment.alone(vehicle, unit)?;
-            Some((float(spent.uses) + self.overhead(vehicle), own))
-        });
-        let Some((uses, vehicle)) = alone.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return match self.has_window(task) {
-                true => "no vehicle is there in its window, runs its actions and may fly there",
-                false => "no vehicle runs its actions and may fly to its places",
-            }
-            .to_owned();
-        };
-        match &vehicle.endurance {
-            Some(endurance) if uses > BUDGET => format!(
-                "out of reach: with it alone {} uses about {:.0} of {:.0} {}",
-                vehicle.id,
-                uses / BUDGET * endurance.usable(),
-                endurance.usable(),
-                endurance.capacity.unit()
-            ),
-            _ if self.has_window(task) => format!(
-                "no vehicle has the time in its window, and enough endurance and stops (at most {MAX_STOPS}) left for it"
-            ),
-            _ => format!(
-                "no vehicle has enough endurance and stops (at most {MAX_STOPS}) left for it"
-            ),
-        }
-    }
-
-    fn has_window(&self, task: usize) -> bool {
-        let mut stops = self.spec.tasks[task].stops.iter();
-        stops.any(|stop| stop.window_s.is_some())
     }
 }
 

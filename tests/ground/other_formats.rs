@@ -338,6 +338,22 @@ fn every_refused_file_names_the_command_that_converts_it() {
     );
 }
 
+#[test]
+fn a_tile_of_another_size_names_the_command_that_converts_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // North of 50 degrees tiles of one arc-second may have half the columns.
+    let path = put(folder.path(), "N60E010.hgt", vec![0; 2 * 1801 * 3601]);
+    let error = refused(&path);
+    assert!(error.contains("12970802 bytes"), "{error}");
+    let (old, new) = (path.display(), path.with_extension("new.tif"));
+    let command = format!("`gdal_translate {old} {}` converts", new.display());
+    assert!(error.contains(&command), "{error}");
+    assert!(matches!(
+        read_terrain(&path, None),
+        Err(TerrainError::Convertible { .. })
+    ));
+}
+
 /// An unknown compression: the tag of `area.tif` set to 50000.
 #[test]
 fn an_unknown_compression_names_the_command_that_writes_it_anew() {

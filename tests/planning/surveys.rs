@@ -363,3 +363,44 @@ fn what_the_survey_mission_shows_and_how_far_it_flies_is_counted_apart() {
     assert!(number("ratio") <= 1.10, "{counted}");
     assert!((number("area_m2") - 509e3).abs() < 1e3, "{counted}");
 }
+
+/// Each assignment for the least cost gave one vehicle more than it can do, or had both in each other's
+/// way with 2600 s; with less and with more endurance one passed.
+#[test]
+fn more_endurance_never_makes_a_plan_with_tasks_fail() {
+    for endurance_s in [2500, 2600, 2700] {
+        let vehicle = |id: &str, sysid: u8, autopilot: &str, lon: f64| {
+            format!(
+                "  - {{id: {id}, sysid: {sysid}, autopilot: {autopilot}, link: sim, finish: land, speed_mps: 9,
+     endurance: {{time_s: {endurance_s}}}, start: {{lat: 63.4200, lon: {lon}, agl_m: 80}}, goal: {{lat: 63.4203, lon: {lon}, agl_m: 80}}}}
+"
+            )
+        };
+        let spec = format!(
+            "sortie: 2
+name: park
+area: {{south_west: {{lat: 63.40, lon: 10.36}}, north_east: {{lat: 63.44, lon: 10.44}}, min_agl_m: 40, max_agl_m: 120, max_amsl_m: 300}}
+terrain: {{flat: {{amsl_m: 20}}}}
+vehicles:
+{}{}separation: {{distance_m: 30, time_slack_s: 5}}
+planner: {{evaluations: 4000}}
+tasks:
+  - id: park
+    survey:
+      polygon: [[63.422, 10.395], [63.422, 10.405], [63.426, 10.405], [63.426, 10.395]]
+      holes: [[[63.4235, 10.398], [63.4235, 10.402], [63.4245, 10.402], [63.4245, 10.398]]]
+      camera: {{fov_deg: [60, 45]}}
+      agl_m: 80
+  - {{id: line, corridor: {{line: [[63.41, 10.38], [63.41, 10.41], [63.415, 10.42]], width_m: 80, camera: {{fov_deg: [60, 45]}}, agl_m: 80}}}}
+  - {{id: sar, search: {{pattern: sector, at: {{lat: 63.432, lon: 10.42, agl_m: 80}}, leg_m: 150, legs: 9}}}}
+",
+            vehicle("a", 1, "ardupilot", 10.39),
+            vehicle("b", 2, "px4", 10.415)
+        );
+        let mission = sortie::Mission::parse(std::path::Path::new("."), spec).expect("a good spec");
+        let planned = sortie::plan(&mission);
+        let broken = planned.review.margins.iter().filter(|margin| !margin.ok);
+        let broken: Vec<String> = broken.map(|margin| margin.limit.to_string()).collect();
+        assert_eq!(broken, Vec::<String>::new(), "{endurance_s} s");
+    }
+}

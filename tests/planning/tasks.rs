@@ -210,6 +210,27 @@ fn a_vehicle_waits_for_a_window_and_the_verdict_holds_the_begin_against_it() {
 }
 
 #[test]
+fn a_window_shorter_than_a_vehicle_may_be_late_is_the_reason_that_is_named() {
+    let mut spec = shared(Autopilot::ArduPilot);
+    spec.tasks.truncate(1);
+    spec.tasks[0].stops[0].window_s = Some(Span {
+        least: 300.0,
+        most: 302.0,
+    });
+    let (_, done) = dispatched(&spec);
+    let left = &done.tasks.as_ref().expect("tasks").left;
+    assert_eq!(left.len(), 1);
+    let why = &left[0].why;
+    assert!(
+        why.starts_with("its window of 2.0 s is shorter than the lateness of ")
+            && why.ends_with(" s that east may have there"),
+        "{why}"
+    );
+    let failed = failed(&done.review);
+    assert!(failed.iter().any(|of| of.contains(why)), "{failed:?}");
+}
+
+#[test]
 fn the_deliveries_mission_does_all_tasks_in_their_windows() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/deliveries.yaml");
     let file = SpecFile::read(&path).expect("a good spec");

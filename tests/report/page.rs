@@ -4,7 +4,7 @@ use std::fs;
 
 use sortie::plan::{BlockingElement, Change, Relaxation, VehiclePlan};
 use sortie::report::{FlownFacts, ServedFacts, infeasibilities};
-use sortie::spec::{Stop, StopAction, Vehicle};
+use sortie::spec::{Stop, StopAction, Vehicle, Zone};
 use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
 
@@ -52,6 +52,40 @@ fn the_page_and_the_picture_are_well_formed_whatever_the_names() {
         assert_balanced(&facts.html());
         assert_balanced(&facts.svg());
     }
+}
+
+#[test]
+fn the_spans_of_a_line_have_its_name_once() {
+    let mut spec = hilly_spec(IDS);
+    let part = |index: usize, whole: &str| Zone {
+        id: format!("{whole} span {index}"),
+        part_of: Some(whole.to_owned()),
+        ..spec.no_fly[0].clone()
+    };
+    let parts: Vec<Zone> = (1..=3).map(|index| part(index, "110 kV")).collect();
+    let mast = Zone {
+        id: "mast".to_owned(),
+        ..part(1, "mast")
+    };
+    spec.no_fly.extend(parts);
+    spec.no_fly.push(mast);
+    let zones = spec.no_fly.len();
+    let facts = facts(spec);
+    let svg = facts.svg();
+    let names = svg.split("class=\"of-zone\"").skip(1);
+    let names: Vec<&str> = names
+        .filter_map(|name| name.split("</text>").next())
+        .collect();
+    assert_eq!(names.len(), zones - 2);
+    let written = |text: &str| names.iter().filter(|name| name.contains(text)).count();
+    assert_eq!(
+        (written(">110 kV"), written("span"), written(">mast")),
+        (1, 0, 1)
+    );
+    let data = data_of(&facts.html());
+    let named = data["scene"]["zones"].as_array().expect("a list").iter();
+    let named: Vec<&str> = named.filter_map(|zone| zone["name"].as_str()).collect();
+    assert_eq!(named[named.len() - 2..], ["110 kV", "mast"]);
 }
 
 #[test]

@@ -128,3 +128,23 @@ fn wings_do_no_tasks_and_their_places_keep_the_height_of_a_start() {
     assert_eq!(low[0].path, "tasks[0].visit");
     assert!(low[0].found.contains("task is 45"), "{low:?}");
 }
+
+#[test]
+fn holds_at_one_place_that_no_item_stores_are_reported_where_they_become_too_long() {
+    let tasks = |count: usize| {
+        let visit = "visit: {lat: 36.29, lon: -84.27, agl_m: 80, hold_s: 3600}";
+        let tasks: String = (0..count)
+            .map(|id| format!("  - {{id: t{id}, {visit}}}\n"))
+            .collect();
+        let other = "visit: {lat: 36.30, lon: -84.27, agl_m: 80, hold_s: 3600}";
+        spec(&format!("{tasks}  - {{id: other, {other}}}\n"))
+    };
+    assert_eq!(good(&tasks(18)).tasks.len(), 19);
+    let issues = issues(&tasks(20));
+    assert_eq!(issues.len(), 1, "{issues:?}");
+    assert_eq!(issues[0].path, "tasks[18].visit.hold_s");
+    let said = said_of(&issues);
+    let found =
+        "68400 s with the tasks before it at this place (allowed: at most 65535 s at one place)";
+    assert!(said.contains(found), "{said}");
+}

@@ -218,6 +218,93 @@ fn obstacles_stand_on_the_ground() {
     );
 }
 
+/// What GDAL writes for the same features as a table and as GeoJSON.
+#[test]
+fn a_table_of_well_known_text_is_read_as_its_twin_of_geojson() {
+    let table = "\
+WKT,id,height_m,radius_m,heights_m
+POINT (-84.20 36.30),mast,90,20,
+\"LINESTRING (-84.20 36.31,-84.21 36.31,-84.22 36.31)\",line,,15,\"(3:35,40,30)\"
+\"POLYGON ((-84.25 36.30,-84.249 36.30,-84.249 36.301,-84.25 36.301,-84.25 36.30))\",house,30,,
+\"MULTILINESTRING ((-84.20 36.32,-84.21 36.32),(-84.22 36.32,-84.23 36.32))\",wires,25,,
+";
+    let feature = |kind: &str, coordinates: &str, properties: &str| {
+        format!(
+            r#"{{"type":"Feature","properties":{{{properties}}},"geometry":{{"type":"{kind}","coordinates":{coordinates}}}}}"#
+        )
+    };
+    let features = [
+        feature(
+            "Point",
+            "[-84.20,36.30]",
+            r#""id":"mast","height_m":90,"radius_m":20"#,
+        ),
+        feature(
+            "LineString",
+            "[[-84.20,36.31],[-84.21,36.31],[-84.22,36.31]]",
+            r#""id":"line","heights_m":[35,40,30],"radius_m":15"#,
+        ),
+        feature(
+            "Polygon",
+            "[[[-84.25,36.30],[-84.249,36.30],[-84.249,36.301],[-84.25,36.301],[-84.25,36.30]]]",
+            r#""id":"house","height_m":30"#,
+        ),
+        feature(
+            "MultiLineString",
+            "[[[-84.20,36.32],[-84.21,36.32]],[[-84.22,36.32],[-84.23,36.32]]]",
+            r#""id":"wires","height_m":25"#,
+        ),
+    ];
+    let twin = format!(
+        r#"{{"type":"FeatureCollection","features":[{}]}}"#,
+        features.join(",")
+    );
+    let (geometry, place) = (
+        table.replace("WKT", "geometry"),
+        "lat,lon,geometry,height_m\n36.3,-84.2,tower,90\n",
+    );
+    let files = [
+        ("a.csv", table),
+        ("b.geojson", twin.as_str()),
+        ("c.csv", geometry.as_str()),
+        ("place.csv", place),
+    ];
+    let zones = |name: &str| {
+        let named = format!("obstacles: [{{file: {name}}}]\n");
+        let mut zones = read_beside(&files, &named).expect(name).spec.no_fly;
+        for zone in &mut zones {
+            zone.source = None;
+        }
+        zones
+    };
+    let expected = zones("b.geojson");
+    assert!(expected.len() >= 6, "{}", expected.len());
+    assert_eq!(zones("a.csv"), expected);
+    assert_eq!(zones("c.csv"), expected);
+    assert_eq!(zones("place.csv").len(), 1);
+}
+
+#[test]
+fn a_table_whose_geometry_is_not_read_names_what_converts_it() {
+    for (row, why) in [
+        ("0101000000,90", "line 2, column wkt: `0101000000`"),
+        ("POINT (2600000 1200000),90", "no such place"),
+        ("SRID=2056;POINT (2600000 1200000),90", "not in EPSG:4326"),
+    ] {
+        let table = format!("wkt,height_m\n{row}\n");
+        let files = [("my masts.csv", table.as_str())];
+        let error = read_beside(&files, "obstacles: [{file: my masts.csv}]\n").expect_err(why);
+        let command = "`ogr2ogr -f GeoJSON -lco RFC7946=YES -s_srs EPSG:CODE -t_srs EPSG:4326 'my masts.geojson' 'my masts.csv'`";
+        assert!(
+            error[0].contains(why) && error[0].contains(command),
+            "{error:?}"
+        );
+    }
+    let files = [("a.csv", "wkt,heigth_m\nPOINT (-84.2 36.3),90\n")];
+    let error = read_beside(&files, "obstacles: [{file: a.csv}]\n").expect_err("misspelt");
+    assert!(error[0].contains("did you mean `height_m`?"), "{error:?}");
+}
+
 #[test]
 fn what_lies_outside_of_all_zones_to_stay_in_is_closed() {
     let pieces = "

@@ -268,20 +268,22 @@ fn names(scene: &Scene, view: &View) -> Vec<Name<'static>> {
         colour: THREAT,
         text: threat.id.clone(),
     });
-    let of_zones = scene.zones.iter().map(|zone| {
+    let of_zones = scene.zones.iter().filter_map(|zone| {
+        let name = zone.name.as_ref()?;
         let corners = &zone.ring[..zone.ring.len().saturating_sub(1)];
         let count = f64::from(u32::try_from(corners.len().max(1)).unwrap_or(u32::MAX));
         let middle = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / count;
-        let below = zone.below_m.map_or_else(String::new, |below_m| {
+        let below_m = zone.below_m.filter(|_| *name == zone.id);
+        let below = below_m.map_or_else(String::new, |below_m| {
             format!(" below {} m", words::number(below_m, 0))
         });
-        Name {
+        Some(Name {
             class: "of-zone",
             at: (view.x(middle(0)), view.y(middle(1))),
             side: Side::Middle,
             colour: ZONE,
-            text: format!("{}{below}", zone.id),
-        }
+            text: format!("{name}{below}"),
+        })
     });
     of_vehicles.chain(of_threats).chain(of_zones).collect()
 }

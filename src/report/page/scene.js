@@ -248,7 +248,7 @@ const scene3d = (() => {
     for (const threat of scene.threats) written(threat.id, project(...threat.at, top), themed("--threat"));
     for (const zone of scene.zones) {
       const count = zone.ring.length - 1, sum = (axis) => zone.ring.slice(0, count).reduce((a, c) => a + c[axis], 0) / count;
-      written(zone.id, project(sum(0), sum(1), zone.below_m === null ? top : Math.min(zone.below_m, top)), themed("--zone"));
+      if (zone.name !== null) written(zone.name, project(sum(0), sum(1), zone.below_m === null ? top : Math.min(zone.below_m, top)), themed("--zone"));
     }
     // The planned way under what was flown.
     scene.vehicles.forEach((vehicle, index) => {

@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::geodesy::{EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::report::{ReviewInput, words};
-use crate::spec::{Arrival, Finish, MissionSpec, Stop, SweepShape, Vehicle};
+use crate::spec::{Arrival, Finish, MissionSpec, Stop, SweepShape, Vehicle, Zone};
 use crate::verify::Limit;
 use crate::world::{PlanZone, World};
 use flown::FlownShape;
@@ -73,6 +73,8 @@ pub(in crate::report) struct ThreatShape {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in crate::report) struct ZoneShape {
     pub(in crate::report) id: String,
+    /// What is written in its middle: once for all spans of a line.
+    pub(in crate::report) name: Option<String>,
     pub(in crate::report) ring: Vec<[f64; 2]>,
     pub(in crate::report) below_m: Option<f64>,
 }
@@ -156,8 +158,10 @@ impl Scene {
                 .no_fly
                 .iter()
                 .zip(&world.zones)
-                .map(|(zone, shape)| ZoneShape {
+                .zip(zone_names(&spec.no_fly))
+                .map(|((zone, shape), name)| ZoneShape {
                     id: zone.id.clone(),
+                    name,
                     ring: ring(&shape.outline),
                     below_m: top_m(world, shape),
                 })
@@ -180,6 +184,25 @@ impl Scene {
             vehicle.flown = Some(FlownShape::new(facts));
         }
     }
+}
+
+/// The name that is written in each zone. What follows each other as parts of one line has its name in
+/// the middle one.
+fn zone_names(zones: &[Zone]) -> Vec<Option<String>> {
+    let is_whole = |one: &Zone, other: &Zone| one.part_of.is_some() && one.part_of == other.part_of;
+    let wholes = zones.chunk_by(is_whole);
+    let names = wholes.flat_map(|parts| {
+        let middle = parts.len() / 2;
+        let name = |(index, part): (usize, &Zone)| {
+            let name = match parts.len() {
+                1 => Some(&part.id),
+                _ => part.part_of.as_ref().filter(|_| index == middle),
+            };
+            name.cloned()
+        };
+        parts.iter().enumerate().map(name).collect::<Vec<_>>()
+    });
+    names.collect()
 }
 
 impl VehicleShape {

@@ -32,6 +32,8 @@ pub struct Zone {
     pub buffer_m: f64,
     /// Where the zone comes from, if not from the spec itself: file and item.
     pub source: Option<String>,
+    /// The line or building of a file that it is a part of.
+    pub part_of: Option<String>,
 }
 
 impl Zone {

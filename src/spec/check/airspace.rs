@@ -1,6 +1,7 @@
 //! Zones and obstacles from files.
 
 mod obstacles;
+mod shaped_table;
 
 use std::collections::BTreeSet;
 

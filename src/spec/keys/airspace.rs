@@ -31,6 +31,6 @@ pub struct Only {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleFile {
-    /// Its path relative to this file: .csv with the columns lat, lon, height_m and radius_m, or .geojson with these properties: points are masts, lines are wires, as high as the higher of the tops at the ends of each span (radius_m: half their width; heights_m: a height for each vertex), polygons are buildings.
+    /// Its path relative to this file: .csv with the columns lat, lon, height_m and radius_m, .csv with WKT in place of lat and lon, or .geojson, both with these properties: points are masts, lines are wires, as high as the higher of the tops at the ends of each span (radius_m: half their width; heights_m: a height for each vertex), polygons are buildings.
     pub file: String,
 }

@@ -5,7 +5,10 @@ use std::borrow::Cow;
 use super::{Assigner, BUDGET, PER_SECOND, whole};
 use crate::geodesy::PlanPoint;
 use crate::numeric::SpeedProfile;
-use crate::path::{TimedPoint, flight, route_ends, route_start_s, way_speed_mps};
+use crate::path::{
+    TimedPoint, flight, late_share, leg_late_s, route_ends, route_start_s, stop_late_s,
+    way_speed_mps,
+};
 use crate::spec::{MAX_STOPS, Stop, Vehicle};
 use crate::tasks::assignment::{Carrier, Way};
 
@@ -75,7 +78,8 @@ impl Assigner<'_> {
             _ => &self.spec.vehicles[vehicle],
         };
         let duration_s = duration_s(own, ends, self.lengths_m[from][to]);
-        let used = self.used(vehicle, duration_s, ends) * self.factors[vehicle];
+        let used = self.used(vehicle, duration_s, ends) + self.used_late(vehicle, duration_s);
+        let used = used * self.factors[vehicle];
         Some(Way {
             time: whole(duration_s * PER_SECOND),
             uses: whole(used),
@@ -98,6 +102,20 @@ impl Assigner<'_> {
         BUDGET * used / endurance.usable()
     }
 
+    /// What the verdict adds for a leg and the stop at its end, where autopilots are later than the flight
+    /// model.
+    fn used_late(&self, vehicle: usize, duration_s: f64) -> f64 {
+        let own = &self.spec.vehicles[vehicle];
+        let counts = self.trial.counts_lateness();
+        let Some(endurance) = own.endurance.as_ref().filter(|_| counts) else {
+            return 0.0;
+        };
+        let late_s = stop_late_s(own) + leg_late_s(own) + duration_s * late_share(own);
+        let idle_mps = own.wing.as_ref().map_or(0.0, |_| own.speed_mps);
+        let used = endurance.capacity.used(late_s, idle_mps, 0.0);
+        BUDGET * used / endurance.usable()
+    }
+
     fn wind_mps(&self) -> [f64; 2] {
         self.spec.wind.map_or([0.0; 2], |wind| wind.velocity_mps())
     }
@@ -115,7 +133,7 @@ impl Assigner<'_> {
             goal: self.own_first() + own.stops.len() + 1,
             own: Some(self.units.len() + vehicle),
             budget: match own.endurance {
-                Some(_) => u64::from(whole(BUDGET - self.overhead(vehicle))),
+                Some(_) => u64::from(whole(BUDGET * self.trial.share() - self.overhead(vehicle))),
                 None => u64::MAX,
             },
             rest_uses: whole(rest).into(),

@@ -56,6 +56,10 @@ fn of_nodes(error: &TerrainError) -> Option<Remedy> {
             "places it, with the degrees of its edges",
         ),
         TerrainError::Layout(_) => (WARP, "lays it out anew"),
+        TerrainError::Size(_) => (
+            "gdal_translate OLD NEW",
+            "converts a whole tile of another size, such as 1801 x 3601; load one that was cut off again",
+        ),
         TerrainError::TooLarge(_) => (
             "gdalwarp -t_srs EPSG:4326 -tr 0.0003 0.0003 -r max OLD NEW",
             "makes it coarser: the highest of each 30 m",

@@ -4,7 +4,7 @@ use super::super::super::airspace::{AttachedFile, Survey};
 use super::super::super::keys;
 use super::super::super::{Placement, Zone};
 use super::super::map::Map;
-use super::{Checker, Dropped, MAX_CORNERS, free_id, is_exchanged, is_far};
+use super::{Checker, Dropped, MAX_CORNERS, free_id, is_exchanged, is_far, shaped_table};
 use crate::geodesy::{Agl, EastNorth, LatLon, LocalFrame};
 use crate::numeric::text::meant;
 use crate::shapes::{self, Geometry, Shape};
@@ -23,6 +23,8 @@ const SMALL_M: f64 = 200.0;
 /// A mast, a span of a line, a building.
 struct Obstacle {
     name: String,
+    /// The name of what it is a part of, such as a line of a span.
+    whole: String,
     footprint: Footprint,
     height_m: f64,
 }
@@ -46,13 +48,13 @@ impl Checker {
     ) {
         let path = format!("{path}.file");
         let found = match keys.file.to_lowercase().ends_with(".csv") {
-            true => rows(&file.bytes),
+            true => rows(&keys.file, &file.bytes),
             false => shaped(&keys.file, &file.bytes),
         };
         let found = match found {
             Ok(found) => found,
             Err(why) => {
-                let allowed = "a .csv with lat, lon, height_m, radius_m, or GeoJSON points, lines and polygons with height_m";
+                let allowed = "a .csv with lat, lon, height_m, radius_m or with WKT and height_m, or GeoJSON points, lines and polygons with height_m";
                 return self.report(&path, why, allowed);
             }
         };
@@ -79,6 +81,7 @@ impl Checker {
                 let zone = Zone {
                     id: free_id(&name, map),
                     source: Some(format!("{}, {}", keys.file, obstacle.name)),
+                    part_of: Some(obstacle.whole.clone()),
                     ..zone
                 };
                 survey.zones.push(zone.id.clone());
@@ -204,34 +207,57 @@ fn mast(
 ) -> Result<Obstacle, String> {
     let (height_m, radius_m) = checked(&name, height_m, radius_m.unwrap_or(MAST_RADIUS_M))?;
     Ok(Obstacle {
+        whole: name.clone(),
         name,
         footprint: Footprint::Circle(at, radius_m),
         height_m,
     })
 }
 
-/// The rows of a table with the columns lat, lon, height_m, and perhaps radius_m and id.
-fn rows(bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
+/// The rows of a table with the columns lat, lon, height_m, and perhaps radius_m and id; or with a column of
+/// well-known text in place of lat and lon.
+fn rows(file: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     let names = reader.headers().map_err(|error| error.to_string())?.clone();
     let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
+    let records: Result<Vec<_>, _> = reader.records().collect();
+    let records = records.map_err(|error| error.to_string())?;
+    let geometry = shaped_table::geometry_column(&names, &records);
+    let columns = match geometry {
+        Some(_) => &COLUMNS[2..],
+        None => &COLUMNS[..],
+    };
     // Without radius_m a mast is narrow: it must not be missing because its name is misspelt.
-    for missing in COLUMNS.iter().filter(|name| column(name).is_none()) {
-        let mut others = names.iter().filter(|of| !COLUMNS.contains(of));
+    for missing in columns.iter().filter(|name| column(name).is_none()) {
+        let mut others = (names.iter()).filter(|of| !COLUMNS.contains(of) && *of != "heights_m");
         if let Some(other) = others.find(|other| meant(other, [*missing]).is_some()) {
             let other = other.escape_debug();
             return Err(format!("column `{other}`: did you mean `{missing}`?"));
         }
     }
+    if let Some(geometry) = geometry {
+        let table = (&names, records.as_slice());
+        let bytes = shaped_table::as_geojson(file, table, geometry)?;
+        return shaped("table.geojson", &bytes)
+            .map_err(|why| format!("{why}; {}", shaped_table::command(file)));
+    }
+    masts(&names, &records)
+}
+
+/// The rows of a table with the columns lat, lon, height_m.
+fn masts(
+    names: &csv::StringRecord,
+    records: &[csv::StringRecord],
+) -> Result<Vec<Obstacle>, String> {
+    let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
     let required = |name: &str| column(name).ok_or_else(|| format!("no column {name}"));
     let (lat, lon, height) = (required("lat")?, required("lon")?, required("height_m")?);
     let (radius, id) = (column("radius_m"), column("id").or(column("name")));
     let mut found = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| error.to_string())?;
+    for record in records {
         let line = record.position().map_or(0, csv::Position::line);
         let cell = |column: usize| record.get(column).unwrap_or_default();
         let number = |column: usize| {
@@ -281,6 +307,7 @@ fn shaped(name: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
                 let (height_m, _) = checked(name, height_m, MAST_RADIUS_M)?;
                 obstacles.push(Obstacle {
                     name: name.clone(),
+                    whole: name.clone(),
                     footprint: Footprint::Building {
                         outer: outer.clone(),
                         holes: holes.clone(),
@@ -328,6 +355,7 @@ fn spans(
         if length_m > 0.0 {
             spans.push(Obstacle {
                 name,
+                whole: shape.name.clone(),
                 footprint: Footprint::Span(ends, half_m),
                 height_m: first_m.max(second_m),
             });

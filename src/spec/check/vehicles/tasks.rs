@@ -38,6 +38,7 @@ impl Checker {
             let path = format!("tasks[{index}]");
             if let Some(task) = self.task(&path, task, map) {
                 self.has_vehicle(&path, &task, fleet);
+                self.holds_together(&path, &task, (&tasks, fleet));
                 tasks.push(task);
             }
         }
@@ -184,6 +185,30 @@ impl Checker {
             arrives: Arrival::Planned,
             trigger_m: None,
         })
+    }
+
+    /// What one vehicle does at one place is one rest, whose hold an item has to store.
+    fn holds_together(&mut self, path: &str, task: &Task, (before, fleet): (&[Task], &[Vehicle])) {
+        let able = fleet.iter().filter(|own| task.is_for(own));
+        let most_s = able.map(|own| f64::from(own.facts().acceptance.max_hold_s));
+        let most_s = most_s.fold(f64::INFINITY, f64::min);
+        for (index, stop) in task.stops.iter().enumerate() {
+            let is_there = |other: &&Stop| (other.end, other.drop_m) == (stop.end, stop.drop_m);
+            let others = before.iter().flat_map(|task| &task.stops).filter(is_there);
+            let others_s: f64 = others.map(|other| other.hold_s).sum();
+            let sum_s = others_s + stop.hold_s;
+            // Said once, where the sum becomes too large.
+            if others_s <= most_s && sum_s > most_s {
+                let key = match (task.stops.len(), index) {
+                    (1, _) => "visit",
+                    (_, 0) => "deliver.from",
+                    _ => "deliver.to",
+                };
+                let found = format!("{sum_s} s with the tasks before it at this place");
+                let allowed = format!("at most {most_s} s at one place");
+                self.report(&format!("{path}.{key}.hold_s"), found, allowed);
+            }
+        }
     }
 
     /// The autopilot of one copter at least must run the actions of a task.

@@ -1,0 +1,93 @@
+//! Why a task is not done.
+
+use super::{Assigner, BUDGET, PER_SECOND, TaskLeft, float};
+use crate::spec::MAX_STOPS;
+use crate::tasks::assignment::{Assignment, Spent};
+
+impl Assigner<'_> {
+    /// The tasks that are not done, or not wholly, and why.
+    pub(super) fn left(&self, assignment: &Assignment<'_>, units: &[usize]) -> Vec<TaskLeft> {
+        let groups = units.chunk_by(|one, other| self.units[*one].task == self.units[*other].task);
+        let mut left: Vec<(usize, TaskLeft)> = Vec::new();
+        for group in groups {
+            let (first, task) = (group[0], self.units[group[0]].task);
+            let why = self.why(assignment, first);
+            let lines = self.layouts[task].as_ref().map(|layout| layout.lines.len());
+            let numbers: Vec<String> = group
+                .iter()
+                .filter_map(|&unit| Some((self.units[unit].line? + 1).to_string()))
+                .collect();
+            let why = match lines {
+                Some(lines) => format!(
+                    "{} of {lines} lines ({}): {why}",
+                    numbers.len(),
+                    numbers.join(", ")
+                ),
+                None => why,
+            };
+            let id = self.spec.tasks[task].id.clone();
+            left.push((task, TaskLeft { id, why }));
+        }
+        left.sort_by_key(|(task, _)| *task);
+        left.into_iter().map(|(_, left)| left).collect()
+    }
+
+    /// Why a unit found no vehicle.
+    fn why(&self, assignment: &Assignment<'_>, unit: usize) -> String {
+        let task = self.units[unit].task;
+        let fleet = self.spec.vehicles.iter().enumerate();
+        let alone = fleet.filter_map(|(vehicle, own)| {
+            let spent: Spent = assignment.alone(vehicle, unit)?;
+            Some((float(spent.uses) + self.overhead(vehicle), own))
+        });
+        let Some((uses, vehicle)) = alone.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return match (self.short_window(assignment, unit), self.has_window(task)) {
+                (Some(why), _) => why,
+                (None, true) => {
+                    "no vehicle is there in its window, runs its actions and may fly there"
+                        .to_owned()
+                }
+                (None, false) => "no vehicle runs its actions and may fly to its places".to_owned(),
+            };
+        };
+        match &vehicle.endurance {
+            Some(endurance) if uses > BUDGET => format!(
+                "out of reach: with it alone {} uses about {:.0} of {:.0} {}",
+                vehicle.id,
+                uses / BUDGET * endurance.usable(),
+                endurance.usable(),
+                endurance.capacity.unit()
+            ),
+            _ if self.has_window(task) => format!(
+                "no vehicle has the time in its window, and enough endurance and stops (at most {MAX_STOPS}) left for it"
+            ),
+            _ => format!(
+                "no vehicle has enough endurance and stops (at most {MAX_STOPS}) left for it"
+            ),
+        }
+    }
+
+    /// What is said where even the vehicle whose arrival is known best may miss a window for its
+    /// length alone.
+    fn short_window(&self, assignment: &Assignment<'_>, unit: usize) -> Option<String> {
+        let fleet = self.spec.vehicles.iter().enumerate();
+        let short = fleet.filter_map(|(vehicle, own)| {
+            let (position, spread) = assignment.short_window(vehicle, unit)?;
+            Some((spread, position, own))
+        });
+        let (spread, position, vehicle) = short.min_by_key(|(spread, ..)| *spread)?;
+        let stop = &self.spec.tasks[self.units[unit].task].stops[position];
+        let window = stop.window_s?;
+        let spread_s = float(spread) / PER_SECOND;
+        Some(format!(
+            "its window of {:.1} s is shorter than the lateness of {spread_s:.1} s that {} may have there",
+            window.most - window.least,
+            vehicle.id
+        ))
+    }
+
+    fn has_window(&self, task: usize) -> bool {
+        let mut stops = self.spec.tasks[task].stops.iter();
+        stops.any(|stop| stop.window_s.is_some())
+    }
+}
