@@ -187,11 +187,12 @@ impl Checker {
         })
     }
 
-    /// What one vehicle does at one place is one rest, whose hold an item has to store.
+    /// What one vehicle does at one place is one rest, whose hold an item has to store; several
+    /// vehicles may share it.
     fn holds_together(&mut self, path: &str, task: &Task, (before, fleet): (&[Task], &[Vehicle])) {
         let able = fleet.iter().filter(|own| task.is_for(own));
         let most_s = able.map(|own| f64::from(own.facts().acceptance.max_hold_s));
-        let most_s = most_s.fold(f64::INFINITY, f64::min);
+        let most_s: f64 = most_s.sum();
         for (index, stop) in task.stops.iter().enumerate() {
             let is_there = |other: &&Stop| (other.end, other.drop_m) == (stop.end, stop.drop_m);
             let others = before.iter().flat_map(|task| &task.stops).filter(is_there);
