@@ -103,20 +103,25 @@ impl<'a> Assigner<'a> {
             return None;
         }
         let mut points: Vec<PlanPoint> = Vec::new();
-        let mut index_of = |point: &PlanPoint| {
-            let known = points.iter().position(|known| known == point);
+        let mut depths: Vec<f64> = Vec::new();
+        // Drops of other depths at one place are no one stop, and there is no way between them.
+        let mut index_of = |point: &PlanPoint, drop_m: f64| {
+            let mut known = points.iter().zip(&depths);
+            let known = known.position(|known| known == (point, &drop_m));
             known.unwrap_or_else(|| {
                 points.push(*point);
+                depths.push(drop_m);
                 points.len() - 1
             })
         };
         let mut units = Vec::new();
         for (task, sites) in world.tasks.iter().enumerate() {
             if spec.tasks[task].sweep.is_none() {
+                let stops = sites.iter().zip(&spec.tasks[task].stops);
                 units.push(Unit {
                     task,
                     line: None,
-                    sites: sites.iter().map(&mut index_of).collect(),
+                    sites: stops.map(|(at, stop)| index_of(at, stop.drop_m)).collect(),
                 });
             }
         }

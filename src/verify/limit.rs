@@ -81,6 +81,8 @@ pub enum Limit {
     StopHold(String),
     /// What the mission does not do at the stop with this id.
     StopActions(String),
+    /// Items that move a load where nothing that the vehicle does asks for it.
+    StrayActions,
     /// Legs from start to goal without pictures along the way, or after it with them.
     CameraTrigger,
     /// Places of the task with this id that one vehicle visits in their order.
@@ -324,7 +326,7 @@ impl Limit {
             Self::HomePosition => (Other, None, Basis::HomeRow),
             Self::Endurance => (Topic::Endurance, None, Basis::Spec),
             Self::Start | Self::Goal | Self::Stop(_) | Self::StopHold(_) | Self::StopActions(_)
-            | Self::CameraTrigger | Self::Task(_) | Self::AreaCovered(_) | Self::TaskWindow(_)
+            | Self::StrayActions | Self::CameraTrigger | Self::Task(_) | Self::AreaCovered(_) | Self::TaskWindow(_)
             | Self::Finish
             | Self::Departure | Self::Speed | Self::FlyableSpeed | Self::TakeoffHeading
             | Self::LoiterRadius | Self::ItemCount | Self::FenceMargin | Self::FenceComplete
@@ -357,6 +359,7 @@ impl fmt::Display for Limit {
             Self::RallyArea(point) => return write!(f, "rally {point} in the area"),
             Self::RallyFence(point) => return write!(f, "rally {point} in the fence"),
             Self::Flown(flown) => return flown.fmt(f),
+            Self::StrayActions => "load moved elsewhere",
             Self::CameraTrigger => "pictures along the way",
             Self::TerrainClearance => "terrain clearance",
             Self::TakeoffLandingClearance => "takeoff and landing clearance",

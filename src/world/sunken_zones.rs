@@ -1,21 +1,31 @@
-//! Zones that close nothing, because their ceiling is under the ground.
+//! Zones that close nothing, because their ceiling is under the ground or their floor over it.
 
 use geo::{BoundingRect, Contains, Point};
 
 use super::World;
-use crate::geodesy::{Amsl, EastNorth};
+use crate::geodesy::{Agl, Amsl, EastNorth};
 use crate::numeric::digits::distinct_from;
 use crate::spec::{MissionSpec, Placement, Zone};
 
 /// Rows and columns of the points at which the ground is looked at.
 const SIDE: u32 = 12;
 
-/// A warning for each zone whose ceiling above the sea is under the ground wherever that is known.
+/// A warning for each zone whose ceiling above the sea is under the ground, or under its floor above
+/// ground, wherever that is known.
 pub(super) fn warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
     let sunken = spec.no_fly.iter().filter_map(|zone| {
         let Some(Placement::Amsl(Amsl(ceiling_m))) = zone.ceiling else {
             return None;
         };
+        if let Some(Placement::Agl(Agl(floor_m))) = zone.floor
+            && let Some(ground_m) = least_ground_m(zone, world, ceiling_m - floor_m)
+        {
+            return Some(format!(
+                "zone {} closes nothing: its floor of {floor_m} m above the ground, which is at {ground_m:.0} m or more \
+                 there, is over its ceiling of {ceiling_m} m above mean sea level",
+                zone.id
+            ));
+        }
         let ground_m = least_ground_m(zone, world, ceiling_m)?;
         Some(format!(
             "zone {} closes nothing: its ceiling of {} m above mean sea level is under the ground, which is at {} m or \

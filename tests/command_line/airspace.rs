@@ -86,6 +86,10 @@ fn a_zone_whose_ceiling_is_under_the_ground_is_warned_of_by_check_and_plan() {
                    is at 400 m or more there; is it in feet, or above the ground (agl_m)?";
     assert!(!of("amsl_m: 401").contains("closes nothing"));
     assert!(!of("agl_m: 120").contains("closes nothing"));
+    let turned = "zone ctr closes nothing: its floor of 100 m above the ground, which is at 400 m or more there, is over \
+                  its ceiling of 480 m above mean sea level";
+    assert!(of("amsl_m: 480}, floor: {agl_m: 100").contains(turned));
+    assert!(!of("amsl_m: 501}, floor: {agl_m: 100").contains("closes nothing"));
     assert!(of("amsl_m: 120").contains(warning));
     let planned = sortie(folder.path(), &["plan", "zones.yaml"]);
     assert!(

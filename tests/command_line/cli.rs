@@ -213,7 +213,17 @@ fn a_folder_that_was_edited_is_not_uploaded() {
         );
     };
     plan();
+    let review = || sortie(folder.path(), &["review", "out/hop"]);
+    assert_eq!(review().status.code(), Some(0));
     edit("alpha.waypoints", "36.3000000", "36.3000001");
+    // Which of the two would be flown nobody knows, with the spec or without it.
+    for _ in 0..2 {
+        let said = review();
+        assert_eq!(said.status.code(), Some(4), "{}", text(&said.stdout));
+        let why = "alpha.waypoints disagree: name the one to review";
+        assert!(text(&said.stderr).contains(why), "{}", text(&said.stderr));
+        let _ = fs::remove_file(folder.path().join("out/hop/spec.yaml"));
+    }
     fs::remove_dir_all(folder.path().join("out")).unwrap();
     plan();
     edit("spec.yaml", "radius_m: 200", "radius_m: 100");

@@ -489,6 +489,23 @@ fn actions_stand_between_two_waypoints_of_their_stop_and_each_is_judged() {
             });
             assert!(other.contains(&name), "{other:?}");
         }
+        // A load that is let go once more is lost, wherever that is.
+        let load = items
+            .iter()
+            .position(|item| item.command == command::DO_GRIPPER);
+        let load = load.expect("encoded");
+        let late = begin + listed.len() + 1;
+        for (row, rows) in [
+            (begin - 3, [begin - 2, load + 2]),
+            (late, [load + 1, late + 1]),
+        ] {
+            let again = judged(&|items| items.insert(row, items[load]));
+            let [first, second] = rows;
+            let stray = format!(
+                "load moved elsewhere: DO_GRIPPER at item {first}, {second}, its stops ask for 1"
+            );
+            assert!(again.contains(&stray), "{again:?}");
+        }
         if autopilot == Autopilot::Px4 {
             let free = judged(&|items| {
                 items.remove(begin - 1);

@@ -243,3 +243,32 @@ fn the_deliveries_mission_does_all_tasks_in_their_windows() {
     let windows = windows.filter(|margin| matches!(margin.limit, Limit::TaskWindow(_)));
     assert_eq!(windows.count(), 6);
 }
+
+#[test]
+fn drops_of_two_depths_at_one_place_are_made_by_two_vehicles_and_never_by_one_in_a_row() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut spec = shared(autopilot);
+        let low = |id: &str, drop_m: f64| {
+            let mut task = task(id, &[at(36.31, -84.25)]);
+            task.stops[0].drop_m = drop_m;
+            task
+        };
+        spec.tasks = vec![low("yard", 74.0), low("roof", 66.0)];
+        let (world, done) = dispatched(&spec);
+        assert!(done.review.passes(), "{:?}", failed(&done.review));
+        assert_eq!(ids(&done, 0).len() + ids(&done, 1).len(), 2);
+        let judged: Vec<(usize, &VehicleMission)> = done
+            .missions
+            .iter()
+            .map(|(index, of)| (*index, of))
+            .collect();
+        assert!(review(&spec, &world, &judged).passes());
+        // Alone a vehicle makes one of them, and the other is said to be left.
+        spec.vehicles.truncate(1);
+        let (_, alone) = dispatched(&spec);
+        let left = &alone.tasks.as_ref().expect("tasks").left;
+        assert_eq!((ids(&alone, 0).len(), left.len()), (1, 1), "{left:?}");
+        let why = failed(&alone.review);
+        assert!(why.len() == 1 && why[0].contains("no vehicle"), "{why:?}");
+    }
+}

@@ -322,6 +322,21 @@ zones:
     );
     // The union of two boxes that share their south has six corners.
     assert_eq!(zone.holes[0].len(), 6, "{:?}", zone.holes);
+    // What both leave out stays closed, in whichever direction its corners go.
+    let hole = [
+        "[36.24, -84.17], [36.24, -84.14], [36.27, -84.14]",
+        "[36.27, -84.14], [36.24, -84.14], [36.24, -84.17]",
+    ];
+    for corners in hole {
+        let holed = pieces.replace("{id: east,", &format!("{{id: east, holes: [[{corners}]],"));
+        let zones = read(&holed).expect("good");
+        let ids: Vec<&str> = zones.iter().map(|zone| zone.id.as_str()).collect();
+        assert_eq!(
+            ids,
+            ["outside west and 1 more", "outside west and 1 more, hole 1"]
+        );
+        assert_eq!(zones[1].polygon.len(), 3, "{:?}", zones[1].polygon);
+    }
     // A start outside of both is an error, and so are heights.
     let one = "zones: [{id: west, keep_in: true, polygon: [[36.22, -84.38], [36.22, -84.30], [36.30, -84.30]]}]";
     let errors = read(one).expect_err("the goal is outside");

@@ -266,16 +266,8 @@ pub(super) fn refuse_edited(
         ));
     }
     for (vehicle, path) in files {
-        let twin = path.with_extension("waypoints");
-        if !twin.exists() {
-            continue;
-        }
-        let (mission, other) = (
-            read_mission(path, file, *vehicle)?,
-            read_mission(&twin, file, *vehicle)?,
-        );
-        // The twin has lost what its format cannot hold; so must the other to be compared.
-        if formats::waypoints::write(&mission) != formats::waypoints::write(&other) {
+        let mission = read_mission(path, file, *vehicle)?;
+        if let Some(twin) = disagreeing_twin(path, &mission)? {
             return edited(format!(
                 "{} and {} disagree",
                 path.display(),
@@ -284,6 +276,26 @@ pub(super) fn refuse_edited(
         }
     }
     Ok(())
+}
+
+/// The other of the two files of a mission, if it holds another one.
+pub(super) fn disagreeing_twin(
+    path: &Path,
+    mission: &VehicleMission,
+) -> Result<Option<PathBuf>, Failure> {
+    let twin = path.with_extension("waypoints");
+    if twin == path || !twin.exists() {
+        return Ok(None);
+    }
+    let mut document = read_document(&twin)?;
+    document.home = document.home.or(Some(mission.home));
+    let other = document
+        .into_mission(mission.autopilot, mission.airframe)
+        .map(|other| other.for_version(mission.autopilot_version))
+        .map_err(|error| Failure::new(Failure::INPUT, format!("{}: {error}", twin.display())))?;
+    // The twin has lost what its format cannot hold; so must the other to be compared.
+    let is_same = formats::waypoints::write(mission) == formats::waypoints::write(&other);
+    Ok((!is_same).then_some(twin))
 }
 
 /// The hashes of the spec and its table from which an output folder was made; none if the

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::cli::folder::disagreeing_twin;
 use crate::cli::print::failure::Failure;
+use crate::mission::VehicleMission;
 
 /// The paths with each folder replaced by what it holds: its `spec.yaml`, or its only spec, and one
 /// mission file for each name, `.plan` before `.waypoints`, which holds no fence.
@@ -16,6 +18,27 @@ pub(super) fn opened(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         }
     }
     Ok(opened)
+}
+
+/// Refuses the missions of a folder that its `.waypoints` files hold otherwise: which of the two is flown?
+pub(super) fn refuse_disagreeing<'a>(
+    paths: &[PathBuf],
+    missions: impl Iterator<Item = (&'a PathBuf, &'a VehicleMission)>,
+) -> Result<(), Failure> {
+    for (path, mission) in missions {
+        if !paths.iter().any(|folder| path.parent() == Some(folder)) {
+            continue;
+        }
+        if let Some(twin) = disagreeing_twin(path, mission)? {
+            let message = format!(
+                "{} and {} disagree: name the one to review",
+                path.display(),
+                twin.display()
+            );
+            return Err(Failure::new(Failure::VERDICT, message));
+        }
+    }
+    Ok(())
 }
 
 fn of_folder(folder: &Path) -> Result<Vec<PathBuf>, Failure> {

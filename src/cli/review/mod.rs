@@ -7,7 +7,7 @@ pub(super) mod without_spec;
 use std::path::{Path, PathBuf};
 
 use super::args;
-use super::folder::missions::assign;
+use super::folder::missions::{Files, assign};
 use super::folder::{self, replace};
 use super::print::console::{Paint, note, out, out_json, out_lines, warn_of_parked};
 use super::print::failure::Failure;
@@ -84,7 +84,9 @@ fn with_spec(
     }
     let file = SpecFile::read_known(spec).map_err(world::with_ground)?;
     let world = world::load(&file)?;
-    let missions = missions(&file, &world, files, named)?;
+    let (missions, paths) = missions(&file, &world, files, named)?;
+    let own = missions.iter().map(|(_, mission)| mission);
+    folders::refuse_disagreeing(&arguments.files, paths.values().zip(own))?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&file.spec, &world, &judged);
     warn(&mut review, verify::distant_from_area(&file.spec, &judged));
@@ -134,13 +136,13 @@ fn warn(review: &mut verify::Review, distant: Vec<String>) {
     review.assumptions.extend(distant);
 }
 
-/// The missions of the vehicles of a spec, from the files that hold them.
+/// The missions of the vehicles of a spec, and the files that hold them.
 fn missions(
     file: &SpecFile,
     world: &world::World,
     files: &[&PathBuf],
     named: &[(&str, PathBuf)],
-) -> Result<Vec<(usize, VehicleMission)>, Failure> {
+) -> Result<(Vec<(usize, VehicleMission)>, Files), Failure> {
     let mut lists = Vec::new();
     let mut own = Vec::new();
     for &path in files {
@@ -176,7 +178,7 @@ fn missions(
         report_repairs(path, &mission.notes);
         missions.push((*vehicle, mission));
     }
-    Ok(missions)
+    Ok((missions, files))
 }
 
 /// A blank home row.
@@ -201,6 +203,8 @@ fn without_spec(
     for ((_, mission), path) in made.missions.iter().zip(&paths) {
         report_repairs(path, &mission.notes);
     }
+    let own = made.missions.iter().map(|(_, mission)| mission);
+    folders::refuse_disagreeing(&arguments.files, paths.iter().zip(own))?;
     let judged: Vec<(usize, &VehicleMission)> =
         made.missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&made.spec, &made.world, &judged);

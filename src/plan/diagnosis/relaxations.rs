@@ -29,9 +29,10 @@ pub enum Change {
     Slopes(f64, f64),
 }
 
-/// Evaluations that are tried in place of fewer.
+/// Evaluations that are tried in place of fewer, of all routes of a vehicle together.
 const MORE_EVALUATIONS: usize = 160_000;
-/// Evaluations of each trial, at most, where it is not their number that is tried.
+/// Evaluations of each trial, at most, where it is not their number that is tried; of all routes
+/// together.
 const EVALUATIONS: usize = 20_000;
 /// Metres that waypoints are tried to keep to the path instead of more.
 const TOLERANCES_M: [f64; 2] = [1.0, 0.1];
@@ -100,8 +101,9 @@ fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Vec<Relaxation>>> {
         }
     }
     let mut trials = vec![numbers];
-    if spec.planner.evaluations < MORE_EVALUATIONS {
-        let more = Relaxation(vec![Change::Evaluations(MORE_EVALUATIONS)]);
+    let more = MORE_EVALUATIONS / routes(&spec.vehicles[index]);
+    if spec.planner.evaluations < more {
+        let more = Relaxation(vec![Change::Evaluations(more)]);
         trials.push(vec![vec![more]]);
     }
     let nearer = TOLERANCES_M.into_iter();
@@ -130,6 +132,11 @@ fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Vec<Relaxation>>> {
     trials
 }
 
+/// Number of routes of a vehicle.
+fn routes(vehicle: &Vehicle) -> usize {
+    vehicle.stops.len() + 1
+}
+
 /// Margins as they are with the tolerance of another spec.
 fn of_tolerance(margins: Margins, spec: &MissionSpec, other: &MissionSpec) -> Margins {
     let share = other.mission.tolerance_m / spec.mission.tolerance_m;
@@ -153,7 +160,8 @@ impl Relaxation {
     /// The spec with it.
     fn applied(&self, spec: &MissionSpec, index: usize) -> MissionSpec {
         let mut spec = spec.clone();
-        spec.planner.evaluations = spec.planner.evaluations.min(EVALUATIONS);
+        let each = EVALUATIONS / routes(&spec.vehicles[index]);
+        spec.planner.evaluations = spec.planner.evaluations.min(each);
         for change in &self.0 {
             change.apply(&mut spec, index);
         }

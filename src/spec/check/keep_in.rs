@@ -1,5 +1,6 @@
 //! Zones to stay in: what lies outside of all of them is closed.
 
+use geo::orient::{Direction, Orient};
 use geo::{Coord, LineString, MultiPolygon, Polygon, unary_union};
 
 use super::super::{Area, Zone};
@@ -75,7 +76,9 @@ fn polygon(zone: &Zone) -> Polygon<f64> {
         Some((center, radius_m)) => ring(&LocalFrame::new(center).inscribed(radius_m)),
         None => ring(&zone.polygon),
     };
+    // A union takes a hole for one by its direction.
     Polygon::new(outer, zone.holes.iter().map(|hole| ring(hole)).collect())
+        .orient(Direction::Default)
 }
 
 /// Corners without the last, which repeats the first.

@@ -1,10 +1,12 @@
 //! What is done at a stop: the heading and the actions, in their order, where they are run.
 
+use std::collections::BTreeSet;
+
 use super::Contract;
-use crate::autopilot::Autopilot;
+use crate::autopilot::{Autopilot, command_name};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, command};
-use crate::spec::{ACTION_S, EndPoint, Placement, Stop, StopAction};
+use crate::spec::{ACTION_S, EndPoint, MissionSpec, Placement, Stop, StopAction};
 use crate::verify::execute::flight::Rest;
 use crate::verify::execute::item::{self, Height};
 use crate::verify::{Limit, Margin, Requirement};
@@ -18,7 +20,69 @@ const SAME_M: f64 = 0.5;
 /// A turn of the nose by 180 degrees, seconds.
 const TURN_S: f64 = 4.0;
 
+/// Actions that move a load: done once more, or elsewhere, they lose it.
+fn moves_load(action: &StopAction) -> bool {
+    use StopAction::{Gripper, PayloadPlace, Relay, Servo, Winch};
+    matches!(
+        action,
+        Gripper { .. } | Winch { .. } | PayloadPlace { .. } | Servo { .. } | Relay { .. }
+    )
+}
+
+/// The commands of a spec that move loads, by whichever vehicle.
+pub(super) fn load_commands(spec: &MissionSpec) -> BTreeSet<u16> {
+    let own = spec.vehicles.iter().flat_map(|vehicle| {
+        let ends = vehicle.on_way.start.iter().chain(&vehicle.on_way.goal);
+        ends.chain(vehicle.stops.iter().flat_map(|stop| &stop.actions))
+    });
+    let of_tasks = spec.tasks.iter().flat_map(|task| &task.stops);
+    own.chain(of_tasks.flat_map(|stop| &stop.actions))
+        .filter(|action| moves_load(action))
+        .map(StopAction::command)
+        .collect()
+}
+
 impl Contract<'_> {
+    /// Whether items move a load where none of the stops that the vehicle makes asks for it: its own,
+    /// and those of its tasks.
+    pub(super) fn stray(&self, commands: &BTreeSet<u16>, of_tasks: &[&Stop]) -> Option<Margin> {
+        if commands.is_empty() {
+            return None;
+        }
+        let own: Vec<Stop> = self.with_ends().into_iter().map(|(stop, _)| stop).collect();
+        let stops = own.iter().chain(of_tasks.iter().copied());
+        let asked: Vec<(&StopAction, &Stop)> = stops
+            .flat_map(|stop| stop.actions.iter().map(move |action| (action, stop)))
+            .collect();
+        let mut left = asked.clone();
+        let mut stray = Vec::new();
+        for item in &self.mission.items {
+            if !commands.contains(&item.command) {
+                continue;
+            }
+            let does = |of: &(&StopAction, &Stop)| self.does(item, of.0, of.1);
+            match left.iter().position(does) {
+                Some(index) => drop(left.swap_remove(index)),
+                None => stray.push(item.command),
+            }
+        }
+        let required = Requirement::at_most(Limit::StrayActions, 0.0, "items");
+        let count = u32::try_from(stray.len()).unwrap_or(u32::MAX);
+        let mut margin = required.margin(self.id(), f64::from(count), None);
+        if let Some(&first) = stray.first() {
+            let items = self.mission.items.iter().zip(1..);
+            let rows = items.filter(|(item, _)| item.command == first);
+            let rows: Vec<String> = rows.map(|(_, row): (_, usize)| row.to_string()).collect();
+            let wanted = asked.iter().filter(|of| of.0.command() == first).count();
+            margin.note = format!(
+                "{} at item {}, its stops ask for {wanted}",
+                command_name(first).unwrap_or("a command"),
+                rows.join(", ")
+            );
+        }
+        Some(margin)
+    }
+
     /// Whether the items of a stop turn the nose and do what the spec says.
     pub(super) fn done(&self, stop: &Stop, rest: &Rest) -> Option<Margin> {
         if stop.heading_rad.is_none() && stop.actions.is_empty() {

@@ -92,7 +92,7 @@ impl Contract<'_> {
     }
 
     /// The stops, and start and goal where something is done there.
-    fn with_ends(&self) -> Vec<(Stop, PlanPoint)> {
+    pub(super) fn with_ends(&self) -> Vec<(Stop, PlanPoint)> {
         let (vehicle, stations) = (self.vehicle, self.stations);
         let is_on_ground = !stations.departure.is_airborne();
         let start = vehicle.start_stop().filter(|_| is_on_ground);

@@ -2,6 +2,7 @@
 //! spec wants. Any vehicle may do a task; several may be done in one rest.
 
 use super::Contract;
+use super::actions::load_commands;
 use super::stops::REST_S;
 use crate::mission::{self, command};
 use crate::spec::{MissionSpec, Stop, Task};
@@ -19,15 +20,12 @@ struct Claim {
     rests: Vec<usize>,
 }
 
-/// The margins of all tasks.
+/// The margins of all tasks, and of what moves loads but for none of them.
 pub(crate) fn margins(
     spec: &MissionSpec,
     world: &World,
     contracts: &[Contract<'_>],
 ) -> Vec<Margin> {
-    if spec.tasks.is_empty() {
-        return Vec::new();
-    }
     let near_m = mission::corner_cut_m(&spec.mission).max(spec.mission.tolerance_m);
     let search = Search::new(spec, world, contracts, near_m);
     let claims = search.claims();
@@ -66,6 +64,14 @@ pub(crate) fn margins(
                 margins.extend(contract.visited(&stop, &contract.flight.rests[rest], away_m));
             }
         }
+    }
+    let commands = load_commands(spec);
+    for (index, contract) in contracts.iter().enumerate() {
+        let done = spec.tasks.iter().zip(&claims);
+        let is_own = |claim: &Claim| claim.contract == index;
+        let done = done.filter(|(_, claim)| claim.as_ref().is_some_and(is_own));
+        let stops: Vec<&Stop> = done.flat_map(|(task, _)| &task.stops).collect();
+        margins.extend(contract.stray(&commands, &stops));
     }
     margins
 }
