@@ -18,6 +18,8 @@ use crate::plan::least_lengths_m;
 use crate::spec::{MissionSpec, Stop, Sweep, Task};
 use crate::world::World;
 
+/// Places of visits and loads as near as this are one, metres: there is no way from one to the other.
+const SAME_PLACE_M: f64 = 1.0;
 /// Parts of a budget.
 const BUDGET: f64 = 1e9;
 /// Units of time in a second.
@@ -95,6 +97,30 @@ pub struct Assigner<'a> {
     trial: Trial,
 }
 
+/// Places of visits and loads.
+#[derive(Default)]
+struct Sites {
+    points: Vec<PlanPoint>,
+    /// Depth of the drop below each, metres.
+    depths_m: Vec<f64>,
+}
+
+impl Sites {
+    /// The index of a place. Drops of other depths there are no one stop, and no way leads from one to the
+    /// other.
+    fn index_of(&mut self, point: PlanPoint, drop_m: f64) -> usize {
+        let mut known = self.points.iter().zip(&self.depths_m);
+        let known = known.position(|(known, depth_m)| {
+            known.distance_m(point) <= SAME_PLACE_M && depth_m.total_cmp(&drop_m).is_eq()
+        });
+        known.unwrap_or_else(|| {
+            self.points.push(point);
+            self.depths_m.push(drop_m);
+            self.points.len() - 1
+        })
+    }
+}
+
 impl<'a> Assigner<'a> {
     /// Of a spec whose stops are in the order in which they are visited; none without tasks.
     #[must_use]
@@ -102,29 +128,20 @@ impl<'a> Assigner<'a> {
         if spec.tasks.is_empty() {
             return None;
         }
-        let mut points: Vec<PlanPoint> = Vec::new();
-        let mut depths: Vec<f64> = Vec::new();
-        // Drops of other depths at one place are no one stop, and there is no way between them.
-        let mut index_of = |point: &PlanPoint, drop_m: f64| {
-            let mut known = points.iter().zip(&depths);
-            let known = known.position(|known| known == (point, &drop_m));
-            known.unwrap_or_else(|| {
-                points.push(*point);
-                depths.push(drop_m);
-                points.len() - 1
-            })
-        };
+        let mut sites = Sites::default();
         let mut units = Vec::new();
-        for (task, sites) in world.tasks.iter().enumerate() {
+        for (task, points) in world.tasks.iter().enumerate() {
             if spec.tasks[task].sweep.is_none() {
-                let stops = sites.iter().zip(&spec.tasks[task].stops);
+                let stops = points.iter().zip(&spec.tasks[task].stops);
+                let sites = stops.map(|(at, stop)| sites.index_of(*at, stop.drop_m));
                 units.push(Unit {
                     task,
                     line: None,
-                    sites: stops.map(|(at, stop)| index_of(at, stop.drop_m)).collect(),
+                    sites: sites.collect(),
                 });
             }
         }
+        let mut points = sites.points;
         let tasks = spec.tasks.iter();
         let layouts = tasks.map(|task| Some(lay_out(task.sweep.as_ref()?, world)));
         let layouts: Vec<Option<Layout>> = layouts.collect();

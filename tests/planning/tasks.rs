@@ -272,3 +272,25 @@ fn drops_of_two_depths_at_one_place_are_made_by_two_vehicles_and_never_by_one_in
         assert!(why.len() == 1 && why[0].contains("no vehicle"), "{why:?}");
     }
 }
+
+#[test]
+fn loads_of_nearly_one_place_are_taken_at_once() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut spec = shared(autopilot);
+        // 0.8 m to the north of the other.
+        let depot = spec.tasks[1].stops[0].end.place;
+        let near = at(depot.lat_deg + 0.8 / 111_200.0, depot.lon_deg);
+        spec.tasks[2].stops[0].end.place = near;
+        let (world, done) = dispatched(&spec);
+        assert!(done.review.passes(), "{:?}", failed(&done.review));
+        assert_eq!(ids(&done, 0), ["first", "second"]);
+        let stops = &done.flown(&spec, &world).0.vehicles[0].stops;
+        assert_eq!(stops.len(), 3, "{stops:?}");
+        let judged: Vec<(usize, &VehicleMission)> = done
+            .missions
+            .iter()
+            .map(|(index, of)| (*index, of))
+            .collect();
+        assert!(review(&spec, &world, &judged).passes());
+    }
+}

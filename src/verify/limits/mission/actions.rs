@@ -73,9 +73,9 @@ impl Contract<'_> {
             let items = self.mission.items.iter().zip(1..);
             let rows = items.filter(|(item, _)| item.command == first);
             let rows: Vec<String> = rows.map(|(_, row): (_, usize)| row.to_string()).collect();
-            let wanted = asked.iter().filter(|of| of.0.command() == first).count();
+            let named = asked.iter().filter(|of| of.0.command() == first).count();
             margin.note = format!(
-                "{} at item {}, its stops ask for {wanted}",
+                "{} at item {}, its stops ask for {named}",
                 command_name(first).unwrap_or("a command"),
                 rows.join(", ")
             );
