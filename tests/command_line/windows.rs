@@ -1,0 +1,41 @@
+//! Tasks with windows at one place and after a departure that was shifted, as `plan` writes them.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::command::{sortie, text};
+use crate::support::in_flight::json;
+use serde_json::Value;
+
+/// A copter west of the places of its tasks.
+const SPEC: &str = "sortie: 2
+name: windows
+t0: 2030-05-05T10:00:00Z
+area: {south_west: {lat: -33.020, lon: 18.000}, north_east: {lat: -32.990, lon: 18.040}, min_agl_m: 30, max_amsl_m: 300}
+terrain: {flat: {amsl_m: 50}}
+planner: {evaluations: 2000}
+vehicles:
+  - {id: a, sysid: 1, autopilot: ardupilot, link: sim, start: {lat: -33.015, lon: 18.004, agl_m: 60}, finish: land,
+     goal: {lat: -33.0147, lon: 18.004, agl_m: 60}, speed_mps: 9, depart_window_s: {from: 0, to: 900}}
+";
+
+/// Plans the spec with more of it: what was said, and `plan.json`.
+fn planned(folder: &Path, more: &str) -> (Option<i32>, String, Value) {
+    fs::write(folder.join("windows.yaml"), format!("{SPEC}{more}")).expect("written");
+    let output = sortie(folder, &["plan", "windows.yaml"]);
+    let said = text(&output.stdout) + &text(&output.stderr);
+    let plan = json(&folder.join("out/windows/plan.json"));
+    (output.status.code(), said, plan)
+}
+
+#[test]
+fn tasks_at_one_place_wait_before_the_first_action_for_the_later_window() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tasks = "tasks:
+  - {id: q, visit: {lat: -33.000, lon: 18.02, agl_m: 60, window_s: {from: 1000, to: 1060}, actions: [{photo: {}}]}}
+  - {id: s, visit: {lat: -33.000, lon: 18.02, agl_m: 60, window_s: {from: 300, to: 2000}, hold_s: 60}}
+";
+    let (code, said, _) = planned(folder.path(), tasks);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("2: q, s"), "{said}");
+}
