@@ -39,3 +39,38 @@ fn tasks_at_one_place_wait_before_the_first_action_for_the_later_window() {
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("2: q, s"), "{said}");
 }
+
+/// How long the vehicle is at its stops, seconds.
+fn rests_s(plan: &Value) -> f64 {
+    let stops = plan["vehicles"][0]["stops"].as_array().expect("stops");
+    stops
+        .iter()
+        .filter_map(|stop| stop["rest_s"].as_f64())
+        .sum()
+}
+
+#[test]
+fn a_vehicle_that_departs_later_for_a_zone_does_not_wait_as_if_it_had_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // It comes to w 205 s after its departure.
+    let more = "zones: [{id: zz, circle: {lat: -33.013, lon: 18.010, radius_m: 250}, active: {from: 2030-05-05T10:00:00Z, to: 2030-05-05T10:06:40Z}}]
+tasks:
+  - {id: v, visit: {lat: -33.013, lon: 18.010, agl_m: 60}}
+  - {id: w, visit: {lat: -33.010, lon: 18.020, agl_m: 60, window_s: {from: 450, to: 650}}}
+";
+    let (code, said, plan) = planned(folder.path(), more);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(rests_s(&plan) < 10.0, "{plan:#}");
+}
+
+#[test]
+fn a_task_in_a_zone_with_a_time_is_done_after_a_later_departure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let more = "zones: [{id: zz, circle: {lat: -33.005, lon: 18.01, radius_m: 150}, active: {from: 2030-05-05T10:00:00Z, to: 2030-05-05T10:06:40Z}}]
+tasks:
+  - {id: p, deliver: {from: {lat: -33.005, lon: 18.010, agl_m: 60, hold_s: 5, actions: [{gripper: grab}]}, to: {lat: -33.000, lon: 18.03, agl_m: 60, actions: [{gripper: release}]}, window_s: {from: 600, to: 800}}}
+  - {id: v, visit: {lat: -33.012, lon: 18.02, agl_m: 60}}
+";
+    let (code, said, _) = planned(folder.path(), more);
+    assert_eq!(code, Some(0), "{said}");
+}
