@@ -74,3 +74,23 @@ tasks:
     let (code, said, _) = planned(folder.path(), more);
     assert_eq!(code, Some(0), "{said}");
 }
+
+#[test]
+fn each_cause_for_a_task_that_is_left_has_a_sentence_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tasks = "tasks:
+  - {id: near, visit: {lat: -33.015, lon: 18.004, agl_m: 60}}
+  - {id: soon, visit: {lat: -33.000, lon: 18.03, agl_m: 60, window_s: {from: 0, to: 20}}}
+";
+    let (code, said, _) = planned(folder.path(), tasks);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(
+        said.contains("its place is within 10 m of the start or the goal"),
+        "{said}"
+    );
+    assert!(
+        said.contains("no vehicle that may do it is there in its window"),
+        "{said}"
+    );
+    assert!(!said.contains("runs its actions"), "{said}");
+}
