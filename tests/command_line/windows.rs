@@ -94,3 +94,34 @@ fn each_cause_for_a_task_that_is_left_has_a_sentence_of_its_own() {
     );
     assert!(!said.contains("runs its actions"), "{said}");
 }
+
+/// A plane whose turns after its takeoff lead over its start before it comes to it.
+const PLANE: &str = "sortie: 2
+name: plane
+area: {south_west: {lat: 50.00, lon: 10.00}, north_east: {lat: 50.06, lon: 10.10}, min_agl_m: 50, max_amsl_m: 400}
+terrain: {flat: {amsl_m: 100}}
+planner: {evaluations: 2000}
+vehicles:
+  - {id: a, sysid: 1, autopilot: AUTOPILOT, airframe: plane, link: sim, home: {lat: 50.02, lon: 10.02}, finish: land,
+     start: {lat: 50.02, lon: 10.03, agl_m: 90, actions: [{video: start}]}, goal: {lat: 50.03, lon: 10.07, agl_m: 90},
+     takeoff_heading_deg: 90, landing: {glide_deg: 6, heading_deg: 0}, speed_mps: 16, max_climb_deg: 8, max_descent_deg: 8, STOPS}
+";
+
+#[test]
+fn a_plane_that_crosses_its_start_before_it_comes_to_it_acts_as_it_comes_to_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // It leaves its start northwards.
+    let north = "stops: [{id: s2, lat: 50.045, lon: 10.05, agl_m: 90, hold_s: 60, actions: [{photo: {}}]},
+             {id: s3, lat: 50.045, lon: 10.02, agl_m: 120, acceptance_radius_m: 30},
+             {id: s4, lat: 50.035, lon: 10.03, agl_m: 90, actions: [{gripper: release}]},
+             {id: s1, lat: 50.025, lon: 10.05, agl_m: 100, actions: [{gimbal: {pitch_deg: -45}}, {photo: {}}]}], order: free";
+    for (autopilot, stops) in [("px4", "stops: []"), ("ardupilot", north)] {
+        let spec = PLANE
+            .replace("AUTOPILOT", autopilot)
+            .replace("STOPS", stops);
+        fs::write(folder.path().join("plane.yaml"), spec).expect("written");
+        let output = sortie(folder.path(), &["plan", "plane.yaml"]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{autopilot}: {said}");
+    }
+}
