@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Stop};
 use crate::tasks::{Assigner, FleetTasks, free_orders, in_order};
 use crate::verify::{Limit, Margin, Review, Reviewer};
 use crate::world::World;
@@ -40,6 +40,9 @@ pub struct Dispatched {
     pub rounds: usize,
     /// Who does which task; none where the spec has no tasks.
     pub tasks: Option<Box<FleetTasks>>,
+    /// The stops of each vehicle with the waits of its departure, where that is later than its tasks
+    /// were assigned for.
+    delayed: Option<Vec<Vec<Stop>>>,
 }
 
 /// The stage of a dispatch, for progress reports.
@@ -143,13 +146,17 @@ fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
     };
     let mut best: Option<Dispatched> = None;
     let mut next = Some(assigner.assign());
-    while let Some(tasks) = next.take() {
+    while let Some(mut tasks) = next.take() {
         let mut done = dispatch_ordered(Job {
             spec: &tasks.spec,
             world: &tasks.world,
             judged: (spec, world),
             run,
         });
+        let delayed = done.delayed.take().unwrap_or_default();
+        for (own, stops) in tasks.spec.vehicles.iter_mut().zip(delayed) {
+            own.stops = stops;
+        }
         for left in &tasks.left {
             let is_of = |limit: &Limit| match limit {
                 Limit::Task(id) | Limit::AreaCovered(id) => *id == left.id,
@@ -335,6 +342,7 @@ fn judged(
         review,
         rounds: round,
         tasks: None,
+        delayed: None,
     }
 }
 

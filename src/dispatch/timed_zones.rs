@@ -7,7 +7,7 @@ mod in_flight;
 
 use super::{Dispatched, Job};
 use crate::path::route_ends;
-use crate::spec::{MissionSpec, Span, Vehicle};
+use crate::spec::{MissionSpec, Span, Stop, Vehicle, wait_less};
 use crate::verify::Limit;
 use crate::world::{Stations, World};
 
@@ -36,7 +36,7 @@ pub(super) fn with_times<'a>(
     let (at_once, after) = variants(job.spec, job.world);
     let open = |variant: &Variant| {
         let (spec, world) = variant;
-        dispatch_closed(Job { spec, world, ..job })
+        dispatch_closed(Job { spec, world, ..job }).with_waits_of(spec, job.spec)
     };
     let is_good = |found: &Dispatched| {
         found.review.passes() && found.plan.gap().is_some_and(|gap| gap < WORTH)
@@ -79,6 +79,19 @@ pub(super) fn with_times<'a>(
         }
     }
     best
+}
+
+impl Dispatched {
+    /// With the stops that it is planned with, where their waits are not those of the specified ones.
+    fn with_waits_of(mut self, planned: &MissionSpec, specified: &MissionSpec) -> Self {
+        let stops = |of: &MissionSpec| -> Vec<Vec<Stop>> {
+            let fleet = of.vehicles.iter();
+            fleet.map(|vehicle| vehicle.stops.clone()).collect()
+        };
+        let planned = stops(planned);
+        self.delayed = (planned != stops(specified)).then_some(planned);
+        self
+    }
 }
 
 /// The zones that vehicles enter while they are active, though they were planned through them: by the
@@ -152,7 +165,9 @@ fn departing_after(spec: &MissionSpec, wait_s: f64) -> MissionSpec {
         let least = window.least.max(wait_s);
         if least <= window.most {
             vehicle.retiming.depart_s = Some(Span { least, ..window });
-            vehicle.depart_s = vehicle.depart_s.max(least);
+            let specified_s = vehicle.depart_s;
+            vehicle.depart_s = specified_s.max(least);
+            wait_less(&mut vehicle.stops, vehicle.depart_s - specified_s);
         }
     }
     spec

@@ -58,7 +58,7 @@ fn shape(name: &str, feature: &Value, volume: &Value) -> Result<Shape, String> {
         };
         let number = value.as_f64().ok_or("a limit that is no number")?;
         let reference = word(volume, reference).ok_or("a limit without a reference")?;
-        height(metres(number, unit)?, reference, side, &geometry).map(Some)
+        height((number, unit), reference, side, &geometry).map(Some)
     };
     let lower = limit("lowerLimit", "lowerVerticalReference", Side::Floor)?;
     let ceiling = limit("upperLimit", "upperVerticalReference", Side::Ceiling)?;

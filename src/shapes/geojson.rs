@@ -4,7 +4,7 @@ use ::geojson::{Feature, GeoJson, GeometryValue, JsonObject, Position};
 use serde_json::Value;
 
 use super::crs::System;
-use super::heights::{Side, floor, height, metres};
+use super::heights::{Side, floor, height};
 use super::periods::{Period, hull};
 use super::{
     Collection, Geometry, Height, Refused, Shape, ShapesError, circle, malformed, place, ring,
@@ -181,7 +181,7 @@ fn of_layer(layer: &Value, over: &Geometry) -> Result<Limits, String> {
         };
         let number = value.as_f64().ok_or("a limit that is no number")?;
         let reference = text(reference).ok_or("a limit without a reference")?;
-        height(metres(number, unit)?, reference, side, over).map(Some)
+        height((number, unit), reference, side, over).map(Some)
     };
     Ok((
         limit("lower", "lowerReference", Side::Floor)?,
@@ -221,7 +221,7 @@ fn of_properties(properties: &JsonObject, over: &Geometry) -> Result<Limits, Str
             "1" => "ft",
             _ => unit.as_str(),
         };
-        height(metres(value, unit)?, reference, side, over).map(Some)
+        height((value, unit), reference, side, over).map(Some)
     };
     Ok((
         limit(["floor", "lowerLimit", "lowerCeiling"], Side::Floor)?,
@@ -251,7 +251,9 @@ fn outlines(
                     )
                 }
                 Some(_) => return Err("an extent that is no circle".to_owned()),
-                None => properties.get("radius_m").and_then(Value::as_f64),
+                None => ["radius_m", "radius"]
+                    .iter()
+                    .find_map(|key| properties.get(*key)?.as_f64()),
             };
             let point = Geometry::Point(center);
             Ok(vec![

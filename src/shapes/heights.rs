@@ -28,16 +28,34 @@ pub(super) fn metres(value: f64, unit: &str) -> Result<f64, String> {
     }
 }
 
-/// A height over a shape: `metres` measured from a reference by its name.
+/// A height over a shape: a value in a unit, measured from a reference by its name.
 ///
 /// # Errors
-/// A reference that is unknown.
+/// A unit or a reference that is unknown, and a flight level in metres or feet: whether its value is
+/// a level or a length is open.
 pub(super) fn height(
-    metres: f64,
+    (value, unit): (f64, &str),
     reference: &str,
     side: Side,
     over: &Geometry,
 ) -> Result<Height, String> {
+    let is_level = reference.eq_ignore_ascii_case("FL");
+    if unit.eq_ignore_ascii_case("FL") && value.is_finite() {
+        return match is_level || reference.eq_ignore_ascii_case("STD") {
+            true => Ok(Height::FlightLevel(value)),
+            false => Err(format!(
+                "a flight level measured from `{}`, not from STD",
+                reference.escape_debug()
+            )),
+        };
+    }
+    let metres = metres(value, unit)?;
+    if is_level {
+        return Err(format!(
+            "a flight level {value} in `{}`, not in FL",
+            unit.escape_debug()
+        ));
+    }
     if !metres.is_finite() {
         return Err(format!("a height of {metres} m"));
     }
@@ -45,7 +63,7 @@ pub(super) fn height(
         "AMSL" | "MSL" => Ok(Height::Amsl(metres)),
         "AGL" | "GND" | "SFC" => Ok(Height::Agl(metres)),
         "WGS84" | "W84" | "HAE" => Ok(above_ellipsoid(metres, side, over)),
-        "STD" | "FL" => Ok(Height::FlightLevel(metres / FOOT_M / 100.0)),
+        "STD" => Ok(Height::FlightLevel(metres / FOOT_M / 100.0)),
         _ => Err(format!(
             "unknown reference `{}` of a height",
             reference.escape_debug()
@@ -80,7 +98,7 @@ mod tests {
             lon_deg: 149.165_237,
         };
         let over = Geometry::Point(at);
-        let of = |reference| height(603.44, reference, Side::Ceiling, &over);
+        let of = |reference| height((603.44, "m"), reference, Side::Ceiling, &over);
         assert_eq!(of("AMSL"), Ok(Height::Amsl(603.44)));
         assert_eq!(of("agl"), Ok(Height::Agl(603.44)));
         let Ok(Height::Amsl(amsl_m)) = of("WGS84") else {
@@ -88,6 +106,23 @@ mod tests {
         };
         assert!((amsl_m - 584.0).abs() < 0.05, "{amsl_m}");
         assert!(of("QFE").is_err());
+    }
+
+    #[test]
+    fn a_flight_level_is_never_a_length() {
+        let over = Geometry::Point(LatLon {
+            lat_deg: 47.0,
+            lon_deg: 8.0,
+        });
+        let of = |value, unit, reference| height((value, unit), reference, Side::Ceiling, &over);
+        for unit in ["m", "FT"] {
+            let why = format!("a flight level 55 in `{unit}`, not in FL");
+            assert_eq!(of(55.0, unit, "fl"), Err(why));
+        }
+        assert_eq!(of(55.0, "FL", "FL"), Ok(Height::FlightLevel(55.0)));
+        assert_eq!(of(55.0, "fl", "STD"), Ok(Height::FlightLevel(55.0)));
+        assert_eq!(of(5500.0, "ft", "STD"), Ok(Height::FlightLevel(55.0)));
+        assert!(of(55.0, "FL", "AGL").is_err());
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! KML (OGC 2.2) and KMZ. A polygon that is extruded reaches from the ground to its corners, any
 //! other is without heights.
 
+mod placemarks;
+
 use std::io::{Cursor, Read};
 
 use ::kml::types::{AltitudeMode, Coord, Geometry as KmlGeometry, LinearRing, Placemark, Polygon};
@@ -14,10 +16,18 @@ const MAX_BYTES: u64 = 256 << 20;
 
 /// Shapes of KML text.
 pub(super) fn read(text: &str) -> Result<Collection, ShapesError> {
-    let root = KmlReader::<_, f64>::from_string(text)
-        .read()
-        .map_err(|error| malformed("KML", error))?;
+    let parse = |text: &str| KmlReader::<_, f64>::from_string(text).read();
     let mut collection = Collection::default();
+    let root = match parse(text) {
+        Ok(root) => root,
+        Err(_) => {
+            let (rest, refused) = placemarks::without_broken(text, &|placemark| {
+                parse(placemark).err().map(|error| error.to_string())
+            });
+            collection.refused = refused;
+            parse(&rest).map_err(|error| malformed("KML", error))?
+        }
+    };
     add(&root, &mut collection);
     Ok(collection)
 }

@@ -20,7 +20,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
     for (line, block) in blocks(&text) {
         let label = name_of(&block);
         let label = label.unwrap_or_else(|| format!("line {line}"));
-        let found: Vec<_> = ::openair::parse(block.as_bytes()).collect();
+        let parsed = with_heights(&block);
+        let found: Vec<_> = ::openair::parse(parsed.as_bytes()).collect();
         match <[_; 1]>::try_from(found) {
             Ok([Ok(airspace)]) if is_open(&airspace) => collection.open += 1,
             Ok([Ok(airspace)]) => match shape(&label, &airspace, &block) {
@@ -56,6 +57,20 @@ fn blocks(text: &str) -> Vec<(usize, String)> {
         }
     }
     blocks
+}
+
+/// The block with the widest height for each that it leaves out: the shape is closed from the ground or without
+/// end.
+fn with_heights(block: &str) -> String {
+    let mut lines: Vec<&str> = block.lines().collect();
+    for line in ["AL GND", "AH UNL"] {
+        let key = |line: &str| line.split_whitespace().next().map(str::to_owned);
+        if !lines.iter().any(|of| key(of) == key(line)) {
+            // After AC: heights come before corners.
+            lines.insert(lines.len().min(1), line);
+        }
+    }
+    lines.join("\n") + "\n"
 }
 
 fn name_of(block: &str) -> Option<String> {

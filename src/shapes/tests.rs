@@ -215,6 +215,47 @@ fn kml_polygons_reach_up_where_they_are_extruded() {
     assert!(matches!(named(&found, "pin").geometry, Geometry::Point(_)));
 }
 
+/// A good placemark, one above the sea floor, and a comment with the name of a placemark.
+const SEA: &str = r#"<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document>
+<!-- <Placemark> -->
+<Placemark><name>sea</name><Polygon><gx:altitudeMode xmlns:gx="x">MODE</gx:altitudeMode><outerBoundaryIs><LinearRing>
+<coordinates>8,47,5 8.01,47,5 8.01,47.01,5 8,47,5</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>
+<Placemark><name>good</name><Polygon><outerBoundaryIs><LinearRing>
+<coordinates>8,47 8.01,47 8.01,47.01 8,47</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>
+</Document></kml>"#;
+
+#[test]
+fn a_placemark_of_kml_that_cannot_be_read_is_refused_by_name_and_line_and_others_are_read() {
+    for mode in ["clampToSeaFloor", "relativeToSeaFloor"] {
+        let found = shapes("a.kml", &SEA.replace("MODE", mode));
+        assert_eq!(found.refused.len(), 1, "{found:?}");
+        assert_eq!(found.refused[0].name, "sea");
+        assert!(found.refused[0].why.starts_with("line 3: "), "{found:?}");
+        assert!(found.refused[0].why.contains(mode), "{found:?}");
+        let names: Vec<&str> = found.shapes.iter().map(|of| of.name.as_str()).collect();
+        assert_eq!(names, ["good"]);
+    }
+    // What is broken outside of placemarks is not guessed at.
+    let broken = SEA
+        .replace("MODE", "clampToSeaFloor")
+        .replace("</Document>", "</Folder");
+    assert!(read("a.kml", broken.as_bytes()).is_err());
+}
+
+#[test]
+fn openair_without_a_height_is_closed_at_all_heights() {
+    let corners =
+        "DP 50:00:00 N 010:40:00 E\nDP 50:01:00 N 010:40:00 E\nDP 50:01:00 N 010:41:00 E\n";
+    let text = format!(
+        "AC P\nAN none\n{corners}AC P\nAN low\nAH 1000ft MSL\n{corners}AC P\nAN high\nAL FL 65\n{corners}"
+    );
+    let found = shapes("a.txt", &text);
+    let heights = |name| (named(&found, name).floor, named(&found, name).ceiling);
+    assert_eq!(heights("none"), (None, None));
+    assert_eq!(heights("low"), (None, Some(Height::Amsl(304.8))));
+    assert_eq!(heights("high"), (Some(Height::FlightLevel(65.0)), None));
+}
+
 #[test]
 fn fences_of_plans_and_lists_are_inclusions_and_exclusions() {
     let plan = r#"{"geoFence": {"version": 2, "circles": [{"circle": {"center": [47, 8], "radius": 50}, "inclusion": false, "version": 1}],

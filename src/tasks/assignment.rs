@@ -86,6 +86,9 @@ pub struct Visit {
     pub rest: u32,
     /// When its rest may begin, first and last; who comes earlier waits.
     pub window: Option<(u64, u64)>,
+    /// How deep its drop is: visits that follow each other at one place and depth become one stop, which
+    /// begins once. None for the end of a line.
+    pub depth: Option<u64>,
 }
 
 /// Who does what.
@@ -151,6 +154,22 @@ impl Assignment<'_> {
         waits
     }
 
+    /// Whether there are ways for a vehicle from its start to each place of a job, and from there to its goal.
+    #[must_use]
+    pub fn has_ways(&self, vehicle: usize, job: usize) -> bool {
+        let (Some(own), Some(of)) = (self.vehicles.get(vehicle), self.jobs.get(job)) else {
+            return false;
+        };
+        let has_ways = |visit: &Visit| {
+            let (to, from) = (
+                own.ways[own.start][visit.place],
+                own.ways[visit.place][own.goal],
+            );
+            to.is_some() && from.is_some()
+        };
+        of.visits.iter().all(has_ways)
+    }
+
     /// The first place of a job whose window is shorter than what a vehicle straight from its start may
     /// be late there; with that time, at least, which a window has to have.
     #[must_use]
@@ -191,23 +210,26 @@ impl Assignment<'_> {
         let mut at = own.start;
         // A wait is as long as it is in the plan, whether the vehicle comes early or late.
         let (mut early, mut late) = (own.begins, own.begins);
+        let mut stop: Option<Stop> = None;
         for (job, position) in visits {
             let visit = self.jobs[job].visits[position];
             let way = own.ways[at][visit.place]?;
             spent.add(way);
             early += u64::from(way.time) * SOONEST / 1000;
             late += (u64::from(way.time) * own.slowest).div_ceil(1000);
-            let mut rest = u64::from(visit.rest);
-            if let Some((first, last)) = visit.window {
-                let wait = first.saturating_sub(early).div_ceil(own.wait_step) * own.wait_step;
-                if late + wait > last {
-                    return None;
-                }
-                waits(wait);
-                rest += wait;
-            } else {
-                waits(0);
-            }
+            let joined = stop.filter(|stop| visit.depth.is_some() && stop.place == visit.at());
+            let mut here = joined.unwrap_or(Stop {
+                place: visit.at(),
+                early,
+                late,
+                wait: 0,
+                last: u64::MAX,
+            });
+            let waited = here.wait;
+            here.begin_within(visit.window, own.wait_step)?;
+            waits(here.wait);
+            let rest = u64::from(visit.rest) + here.wait - waited;
+            stop = Some(here);
             (early, late) = (early + rest, late + rest);
             spent.rest += rest;
             spent.uses += rest * own.rest_uses;
@@ -215,6 +237,38 @@ impl Assignment<'_> {
         }
         spent.add(own.ways[at][own.goal]?);
         Some(spent)
+    }
+}
+
+/// A stop of a vehicle: one visit, or several that are joined.
+#[derive(Clone, Copy)]
+struct Stop {
+    place: (usize, Option<u64>),
+    /// When the vehicle comes there, at the earliest and at the latest.
+    early: u64,
+    late: u64,
+    /// How long it waits there before anything is done.
+    wait: u64,
+    /// When it must have begun.
+    last: u64,
+}
+
+impl Stop {
+    /// Waits for one more window; none where another one, or this, is missed then.
+    fn begin_within(&mut self, window: Option<(u64, u64)>, wait_step: u64) -> Option<()> {
+        let Some((first, last)) = window else {
+            return (self.late + self.wait <= self.last).then_some(());
+        };
+        let wait = first.saturating_sub(self.early).div_ceil(wait_step) * wait_step;
+        self.wait = self.wait.max(wait);
+        self.last = self.last.min(last);
+        (self.late + self.wait <= self.last).then_some(())
+    }
+}
+
+impl Visit {
+    fn at(&self) -> (usize, Option<u64>) {
+        (self.place, self.depth)
     }
 }
 

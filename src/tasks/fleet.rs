@@ -309,6 +309,7 @@ fn at_line(place: usize) -> Visit {
         place,
         rest: whole(PER_SECOND),
         window: None,
+        depth: None,
     }
 }
 
@@ -327,6 +328,7 @@ fn visits(
             let last_s = window.most - f64::from(u8::from(!stop.actions.is_empty()));
             (units(window.least), units(last_s))
         }),
+        depth: Some(stop.drop_m.to_bits()),
     };
     stops.iter().zip(sites).map(visit).collect()
 }

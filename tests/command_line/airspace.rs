@@ -359,3 +359,91 @@ fn a_feed_that_would_be_in_the_area_with_its_coordinates_exchanged_is_warned_of(
         "{said}"
     );
 }
+
+#[test]
+fn lines_and_points_that_are_restrictions_are_not_missing_without_a_word() {
+    let feature = |properties: &str, geometry: &str| {
+        format!(
+            r#"{{"type": "Feature", "properties": {{{properties}}}, "geometry": {{{geometry}}}}}"#
+        )
+    };
+    let line =
+        r#""type": "LineString", "coordinates": [[-84.3, 36.25], [-84.3, 36.35]]"#.to_owned();
+    let point = |lat: f64| format!(r#""type": "Point", "coordinates": [-84.25, {lat}]"#);
+    let features = [
+        feature(r#""id": "LINE", "type": "PROHIBITED""#, &line),
+        feature(r#""id": "PIN", "type": "prohibited""#, &point(36.3)),
+        feature(r#""id": "HIGH", "ceiling": {"amsl_m": 500}"#, &line),
+        feature(r#""id": "FAR", "type": "PROHIBITED""#, &point(37.3)),
+        feature(r#""id": "ROAD", "type": "road""#, &line),
+        feature(
+            r#""id": "DISC", "type": "PROHIBITED", "radius": 300"#,
+            &point(36.3),
+        ),
+    ];
+    let features = features.join(",\n");
+    let file = format!(r#"{{"type": "FeatureCollection", "features": [{features}]}}"#);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("feed.json"), file).unwrap();
+    fs::write(folder.path().join("zones.yaml"), SPEC).unwrap();
+    let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+    let err = text(&checked.stderr);
+    assert_eq!(checked.status.code(), Some(3), "{err}");
+    let why = "cannot be a zone: a restriction that is a";
+    for name in ["LINE", "PIN", "HIGH"] {
+        assert!(err.contains(&format!("`{name}` {why}")), "{err}");
+    }
+    assert_eq!(err.matches("cannot be a zone").count(), 3, "{err}");
+    let skip = "{file: feed.json, skip: [LINE, PIN, HIGH]}";
+    let spec = SPEC.replace("{file: feed.json}", skip);
+    fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+    let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+    let (out, err) = (text(&checked.stdout), text(&checked.stderr));
+    assert_eq!(checked.status.code(), Some(0), "{err}");
+    let listed =
+        "feed.json: 1 zones, 1 out of reach, 3 left out by only or skip, 1 lines and points";
+    assert!(out.contains(listed), "{out}");
+    assert!(out.contains("DISC"), "{out}");
+}
+
+#[test]
+fn a_symmetric_bow_tie_is_said_to_cross_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let zone = |polygon: &str| {
+        let zones = format!("zones: [{{id: z, polygon: {polygon}}}]");
+        fs::write(
+            folder.path().join("zones.yaml"),
+            SPEC.replace("airspace: [{file: feed.json}]", &zones),
+        )
+        .unwrap();
+        text(&sortie(folder.path(), &["check", "zones.yaml"]).stderr)
+    };
+    let bow_tie = zone("[[36.30, -84.30], [36.31, -84.29], [36.30, -84.29], [36.31, -84.30]]");
+    let why = "the edge from corner 2 to 3 meets the edge from corner 0 to 1";
+    assert!(bow_tie.contains(why), "{bow_tie}");
+    assert!(!bow_tie.contains("without area"), "{bow_tie}");
+    let flat = zone("[[36.300, -84.30], [36.301, -84.30], [36.302, -84.30]]");
+    assert!(flat.contains("a polygon without area"), "{flat}");
+}
+
+#[test]
+fn every_row_of_obstacles_that_is_wrong_is_named_up_to_ten() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = SPEC.replace(
+        "airspace: [{file: feed.json}]",
+        "obstacles: [{file: masts.csv}]",
+    );
+    fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+    for (wrong, more) in [(7, None), (13, Some("3 more rows that are wrong"))] {
+        let rows = "36.3,-84.2,high\n".repeat(wrong);
+        let table = format!("lat,lon,height_m\n36.3,-84.2,40\n{rows}");
+        fs::write(folder.path().join("masts.csv"), table).unwrap();
+        let err = text(&sortie(folder.path(), &["check", "zones.yaml"]).stderr);
+        for line in 3..3 + wrong.min(10) {
+            let named = format!("line {line}: `high` is no number");
+            assert!(err.contains(&named), "{err}");
+        }
+        assert_eq!(err.matches("is no number").count(), wrong.min(10), "{err}");
+        assert!(more.is_none_or(|more| err.contains(more)), "{err}");
+    }
+}

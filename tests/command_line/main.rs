@@ -9,3 +9,4 @@ mod cli;
 mod many_zones;
 mod migrate;
 mod whole_line;
+mod windows;

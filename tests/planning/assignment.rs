@@ -62,6 +62,7 @@ fn assigned(ways: &[Vec<Option<Way>>]) -> u64 {
             place,
             rest: 0,
             window: None,
+            depth: Some(0),
         }],
         vehicles: vec![true; VEHICLES],
         form: Form::Open,

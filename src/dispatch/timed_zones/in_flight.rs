@@ -12,7 +12,7 @@ use super::{DETOUR, entered_in_time, keep, straight_s};
 use crate::dispatch::{Dispatched, Job};
 use crate::geodesy::PlanPoint;
 use crate::numeric::geometry;
-use crate::spec::{MissionSpec, Span};
+use crate::spec::{MissionSpec, Span, wait_less};
 use crate::verify::{VerifiedTrajectory, verified_trajectories};
 use crate::world::{OwnWorld, PlanZone, World};
 
@@ -55,7 +55,7 @@ pub(super) fn in_time(
         let same = known.filter(|(known, _)| is_common && **known == spec);
         let found = same.map_or_else(|| dispatch_closed(planned), |(_, found)| found.clone());
         if found.review.passes() {
-            return Some(found);
+            return Some(found.with_waits_of(&spec, job.spec));
         }
         let entered = entered_in_time(planned, &found);
         if entered.is_empty() {
@@ -144,9 +144,12 @@ impl Choice {
                 self.departures[vehicle] += 1;
                 own.retiming.depart_s = Some(span);
                 own.depart_s = specified.depart_s.clamp(span.least, span.most);
+                own.stops.clone_from(&specified.stops);
+                wait_less(&mut own.stops, own.depart_s - specified.depart_s);
                 continue;
             }
             (own.retiming, own.depart_s) = (specified.retiming, specified.depart_s);
+            own.stops.clone_from(&specified.stops);
             self.departures[vehicle] = 0;
             for (_, zone) in entered.iter().filter(|(of, _)| *of == vehicle) {
                 self.open[vehicle].remove(zone);

@@ -21,6 +21,17 @@ use crate::shapes::{self, Collection, Geometry, Height, Shape};
 const REACH_M: f64 = 1000.0;
 /// Most corners of one ring of a file: more than any fence, and than is measured in time.
 const MAX_CORNERS: usize = 5_000;
+/// Classes that close a zone: of ED-269, ED-318, and as authorities write them.
+const RESTRICTIONS: [&str; 8] = [
+    "PROHIBITED",
+    "REQ_AUTHORISATION",
+    "REQ_AUTHORIZATION",
+    "CONDITIONAL",
+    "RESTRICTED",
+    "DANGER",
+    "NO_FLY",
+    "USPACE",
+];
 /// Longest id, bytes.
 const MAX_ID: usize = 60;
 
@@ -170,7 +181,7 @@ fn zone(shape: &Shape, references: References, map: &Map) -> Result<Zone, Droppe
             let around = LocalFrame::new(*center).circumscribed(*radius_m);
             (around, Vec::new(), Some((*center, *radius_m)))
         }
-        Geometry::Line(_) | Geometry::Point(_) => return Err(Dropped::WithoutArea),
+        Geometry::Line(_) | Geometry::Point(_) => return Err(without_area(shape, map)),
     };
     if is_far(&polygon, map) {
         return Err(Dropped::OutOfReach);
@@ -217,6 +228,26 @@ fn zone(shape: &Shape, references: References, map: &Map) -> Result<Zone, Droppe
         active_s: (from_s.is_finite() || to_s.is_finite()).then_some((from_s, to_s)),
         ..Zone::closed(String::new(), polygon)
     })
+}
+
+/// What becomes of a line or a point: one that is declared a restriction must not be missing.
+fn without_area(shape: &Shape, map: &Map) -> Dropped {
+    let is_restriction = |class: &String| {
+        let mut words = RESTRICTIONS.iter();
+        words.any(|word| word.eq_ignore_ascii_case(class))
+    };
+    let has_heights = shape.floor.is_some() || shape.ceiling.is_some();
+    if !has_heights && !shape.classes.iter().any(is_restriction) {
+        return Dropped::WithoutArea;
+    }
+    if is_far(&shape.geometry.positions(), map) {
+        return Dropped::OutOfReach;
+    }
+    let why = match &shape.geometry {
+        Geometry::Line(_) => "a restriction that is a line: draw the polygon around it",
+        _ => "a restriction that is a point without a radius in metres",
+    };
+    Dropped::Refused(why.to_owned())
 }
 
 /// A height in metres; a flight level at the pressure that makes the zone largest.

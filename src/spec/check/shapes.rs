@@ -160,16 +160,20 @@ impl Checker {
     /// Whether the edges of a polygon meet only where neighbours should.
     pub(super) fn polygon(&mut self, path: &str, frame: &LocalFrame, corners: &[LatLon]) -> bool {
         let outline = frame.outline(corners);
-        if outline.unsigned_area() < MIN_ZONE_M2 {
-            self.report(
-                path,
-                "a polygon without area",
-                "corners that are not on a line",
-            );
-            return false;
-        }
         let edges: Vec<Line<f64>> = outline.exterior().lines().collect();
         let written = written(corners);
+        if outline.unsigned_area() < MIN_ZONE_M2 {
+            // The parts of a bow-tie cancel each other.
+            match crossing(&edges, &|_, meets| is_proper(meets)) {
+                Some(crossing) => self.crosses(path, corners, crossing, &written),
+                None => self.report(
+                    path,
+                    "a polygon without area",
+                    "corners that are not on a line",
+                ),
+            }
+            return false;
+        }
         // That of a strip of the same area and perimeter.
         let lengths_m = edges.iter().map(|edge| edge.dx().hypot(edge.dy()));
         let width_m = 2.0 * outline.unsigned_area() / lengths_m.sum::<f64>();
@@ -181,37 +185,73 @@ impl Checker {
             self.report(path, found, format!("at least {MIN_ZONE_WIDTH_M} m"));
             return false;
         }
-        for (first, edge) in edges.iter().enumerate() {
-            if edge.start == edge.end {
+        let twice = edges.iter().position(|edge| edge.start == edge.end);
+        let crossed = crossing(&edges[..], &|neighbours, meets| match meets {
+            LineIntersection::Collinear { .. } => true,
+            LineIntersection::SinglePoint { .. } => !neighbours,
+        });
+        match (twice, crossed) {
+            (Some(twice), crossed) if crossed.is_none_or(|(first, _)| twice <= first) => {
                 let found = "this corner twice in a row";
-                let path = format!("{path}[{}]", written[first]);
+                let path = format!("{path}[{}]", written[twice]);
                 self.report(&path, found, "corners that differ");
-                return false;
+                false
             }
-            for (second, other) in edges.iter().enumerate().skip(first + 1) {
-                let neighbours = second == first + 1 || (first == 0 && second + 1 == edges.len());
-                let crossed = match line_intersection(*edge, *other) {
-                    None => false,
-                    Some(LineIntersection::Collinear { .. }) => true,
-                    Some(LineIntersection::SinglePoint { .. }) => !neighbours,
-                };
-                if crossed {
-                    let (first, second) = (written[first], written[second]);
-                    let end = |corner: usize| (corner + 1) % corners.len();
-                    let found = format!(
-                        "the edge from corner {second} to {} meets the edge from corner {first} to {}",
-                        end(second),
-                        end(first)
-                    );
-                    self.report(
-                        &format!("{path}[{second}]"),
-                        found,
-                        "a polygon that does not cross itself",
-                    );
-                    return false;
-                }
+            (_, Some(crossing)) => {
+                self.crosses(path, corners, crossing, &written);
+                false
+            }
+            _ => true,
+        }
+    }
+
+    /// Reports two edges that meet.
+    fn crosses(
+        &mut self,
+        path: &str,
+        corners: &[LatLon],
+        (first, second): (usize, usize),
+        written: &[usize],
+    ) {
+        let (first, second) = (written[first], written[second]);
+        let end = |corner: usize| (corner + 1) % corners.len();
+        let found = format!(
+            "the edge from corner {second} to {} meets the edge from corner {first} to {}",
+            end(second),
+            end(first)
+        );
+        self.report(
+            &format!("{path}[{second}]"),
+            found,
+            "a polygon that does not cross itself",
+        );
+    }
+}
+
+/// The first two edges that meet as `counts` says, by their indices: it is given whether they are neighbours.
+fn crossing(
+    edges: &[Line<f64>],
+    counts: &dyn Fn(bool, LineIntersection<f64>) -> bool,
+) -> Option<(usize, usize)> {
+    for (first, edge) in edges.iter().enumerate() {
+        for (second, other) in edges.iter().enumerate().skip(first + 1) {
+            let neighbours = second == first + 1 || (first == 0 && second + 1 == edges.len());
+            let meets = line_intersection(*edge, *other);
+            if meets.is_some_and(|meets| counts(neighbours, meets)) {
+                return Some((first, second));
             }
         }
-        true
     }
+    None
+}
+
+/// Whether two edges cross between their ends.
+fn is_proper(meets: LineIntersection<f64>) -> bool {
+    matches!(
+        meets,
+        LineIntersection::SinglePoint {
+            is_proper: true,
+            ..
+        }
+    )
 }

@@ -146,6 +146,20 @@ impl Stop {
     }
 }
 
+/// Makes the waits of stops anew for a departure that is later by some seconds than the one that they are
+/// for: a vehicle that comes later waits less, whole seconds each.
+pub fn wait_less(stops: &mut [Stop], later_s: f64) {
+    /// Whole numbers of seconds are no longer for what arithmetic adds.
+    const EPSILON_S: f64 = 1e-6;
+    let mut later_s = later_s.max(0.0);
+    for stop in stops {
+        let wait_s = (stop.wait_s - later_s - EPSILON_S).ceil().max(0.0);
+        let wait_s = wait_s.min(stop.wait_s);
+        later_s -= stop.wait_s - wait_s;
+        stop.wait_s = wait_s;
+    }
+}
+
 /// What is done at start and goal, and on the way between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OnWay {
@@ -288,5 +302,36 @@ impl Vehicle {
             None => tolerance_m,
         };
         stop.acceptance_radius_m.unwrap_or(usual_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesy::LatLon;
+
+    #[test]
+    fn a_vehicle_that_departs_later_waits_less_until_the_delay_is_made_up_for() {
+        let end = EndPoint {
+            place: LatLon {
+                lat_deg: 0.0,
+                lon_deg: 0.0,
+            },
+            altitude: Placement::Agl(Agl(50.0)),
+        };
+        let waiting = |wait_s| Stop {
+            wait_s,
+            ..Stop::passing("stop", end)
+        };
+        let waits_s = |later_s| {
+            let mut stops = [30.0, 0.0, 50.0].map(waiting);
+            wait_less(&mut stops, later_s);
+            stops.map(|stop| stop.wait_s.to_string())
+        };
+        assert_eq!(waits_s(-5.0), ["30", "0", "50"]);
+        assert_eq!(waits_s(0.0), ["30", "0", "50"]);
+        assert_eq!(waits_s(12.5), ["18", "0", "50"]);
+        assert_eq!(waits_s(40.0), ["0", "0", "40"]);
+        assert_eq!(waits_s(400.0), ["0", "0", "0"]);
     }
 }

@@ -30,6 +30,7 @@ fn job(sites: Vec<usize>, vehicles: usize) -> Job {
         place,
         rest: 0,
         window: None,
+        depth: Some(0),
     };
     Job {
         visits: sites.into_iter().map(visit).collect(),
@@ -172,4 +173,39 @@ fn a_place_outside_of_the_matrix_is_refused() {
         jobs: &jobs,
     };
     assert_eq!(problem.assign(1), None);
+}
+
+#[test]
+fn visits_at_one_place_wait_for_the_last_of_their_windows_before_anything_is_done() {
+    let sites = [(0, 0), (100, 0)];
+    let ways: Vec<Vec<Option<Way>>> = sites
+        .iter()
+        .map(|from| sites.iter().map(|to| way(*from, *to)).collect())
+        .collect();
+    let carriers = [carrier(&ways, 0, u64::MAX)];
+    let timed = |window, rest| Job {
+        visits: vec![Visit {
+            place: 1,
+            rest,
+            window: Some(window),
+            depth: Some(0),
+        }],
+        ..job(vec![1], 1)
+    };
+    let jobs = [
+        timed((1000, 1060), 3),
+        timed((300, 2000), 60),
+        timed((400, 410), 1),
+    ];
+    let problem = Assignment {
+        vehicles: &carriers,
+        jobs: &jobs,
+    };
+    for order in [[(0, 0), (1, 0)], [(1, 0), (0, 0)]] {
+        let waits = problem.waits(0, &order);
+        let begins = 99 + waits.iter().max().expect("two waits");
+        assert!((1000..=1001).contains(&begins), "{order:?}: {waits:?}");
+    }
+    // One stop cannot begin in two windows that have no moment in common.
+    assert!(problem.go(0, [(2, 0), (0, 0)].into_iter()).is_none());
 }

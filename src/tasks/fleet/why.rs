@@ -43,11 +43,7 @@ impl Assigner<'_> {
         let Some((uses, vehicle)) = alone.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             return match (self.short_window(assignment, unit), self.has_window(task)) {
                 (Some(why), _) => why,
-                (None, true) => {
-                    "no vehicle is there in its window, runs its actions and may fly there"
-                        .to_owned()
-                }
-                (None, false) => "no vehicle runs its actions and may fly to its places".to_owned(),
+                (None, has_window) => self.why_none(assignment, unit, has_window),
             };
         };
         match &vehicle.endurance {
@@ -64,6 +60,32 @@ impl Assigner<'_> {
             _ => format!(
                 "no vehicle has enough endurance and stops (at most {MAX_STOPS}) left for it"
             ),
+        }
+    }
+
+    /// Why a unit is for no vehicle even alone: each cause has a sentence of its own.
+    fn why_none(&self, assignment: &Assignment<'_>, unit: usize, has_window: bool) -> String {
+        let task = self.units[unit].task;
+        let fleet = self.spec.vehicles.iter().enumerate();
+        let able: Vec<usize> = fleet
+            .filter(|(_, own)| self.spec.tasks[task].is_for(own))
+            .map(|(vehicle, _)| vehicle)
+            .collect();
+        if able.is_empty() {
+            return "no vehicle is a copter that runs its actions".to_owned();
+        }
+        let mut in_layer = able
+            .into_iter()
+            .filter(|&vehicle| self.is_in_layer(vehicle, task))
+            .peekable();
+        if in_layer.peek().is_none() {
+            return "no vehicle that runs its actions may fly at its height".to_owned();
+        }
+        let mut reaches = in_layer.filter(|&vehicle| assignment.has_ways(vehicle, unit));
+        match (reaches.next(), has_window) {
+            (None, _) => "its place is within 10 m of the start or the goal of each vehicle that may do it: give these `actions` instead".to_owned(),
+            (Some(_), true) => "no vehicle that may do it is there in its window".to_owned(),
+            (Some(_), false) => "its places are within 10 m of each other, or of stops of each vehicle that may do it".to_owned(),
         }
     }
 

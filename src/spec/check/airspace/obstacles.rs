@@ -13,6 +13,8 @@ use crate::shapes::{self, Geometry, Shape};
 const COLUMNS: [&str; 4] = ["lat", "lon", "height_m", "radius_m"];
 /// Radius of an obstacle that states none, metres.
 const MAST_RADIUS_M: f64 = 5.0;
+/// Most rows of a table that are named as wrong.
+const MAX_NAMED: usize = 10;
 /// Half the width of a line that states none, metres.
 const LINE_RADIUS_M: f64 = 10.0;
 /// Furthest two vertices of a line may be apart, metres: further, the ground between them is unknown.
@@ -49,13 +51,16 @@ impl Checker {
         let path = format!("{path}.file");
         let found = match keys.file.to_lowercase().ends_with(".csv") {
             true => rows(&keys.file, &file.bytes),
-            false => shaped(&keys.file, &file.bytes),
+            false => shaped(&keys.file, &file.bytes).map_err(|why| vec![why]),
         };
         let found = match found {
             Ok(found) => found,
-            Err(why) => {
+            Err(found) => {
                 let allowed = "a .csv with lat, lon, height_m, radius_m or with WKT and height_m, or GeoJSON points, lines and polygons with height_m";
-                return self.report(&path, why, allowed);
+                for why in found {
+                    self.report(&path, why, allowed);
+                }
+                return;
             }
         };
         let mut survey = Survey {
@@ -216,15 +221,16 @@ fn mast(
 
 /// The rows of a table with the columns lat, lon, height_m, and perhaps radius_m and id; or with a column of
 /// well-known text in place of lat and lon.
-fn rows(file: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
+fn rows(file: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, Vec<String>> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
-    let names = reader.headers().map_err(|error| error.to_string())?.clone();
+    let names = reader.headers();
+    let names = names.map_err(|error| vec![error.to_string()])?.clone();
     let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
     let records: Result<Vec<_>, _> = reader.records().collect();
-    let records = records.map_err(|error| error.to_string())?;
+    let records = records.map_err(|error| vec![error.to_string()])?;
     let geometry = shaped_table::geometry_column(&names, &records);
     let columns = match geometry {
         Some(_) => &COLUMNS[2..],
@@ -235,29 +241,28 @@ fn rows(file: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
         let mut others = (names.iter()).filter(|of| !COLUMNS.contains(of) && *of != "heights_m");
         if let Some(other) = others.find(|other| meant(other, [*missing]).is_some()) {
             let other = other.escape_debug();
-            return Err(format!("column `{other}`: did you mean `{missing}`?"));
+            return Err(vec![format!("column `{other}`: did you mean `{missing}`?")]);
         }
     }
     if let Some(geometry) = geometry {
         let table = (&names, records.as_slice());
-        let bytes = shaped_table::as_geojson(file, table, geometry)?;
+        let bytes = shaped_table::as_geojson(file, table, geometry).map_err(|why| vec![why])?;
         return shaped("table.geojson", &bytes)
-            .map_err(|why| format!("{why}; {}", shaped_table::command(file)));
+            .map_err(|why| vec![format!("{why}; {}", shaped_table::command(file))]);
     }
     masts(&names, &records)
 }
 
-/// The rows of a table with the columns lat, lon, height_m.
+/// The rows of a table with the columns lat, lon, height_m; or what is wrong with each that is not one.
 fn masts(
     names: &csv::StringRecord,
     records: &[csv::StringRecord],
-) -> Result<Vec<Obstacle>, String> {
+) -> Result<Vec<Obstacle>, Vec<String>> {
     let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
-    let required = |name: &str| column(name).ok_or_else(|| format!("no column {name}"));
+    let required = |name: &str| column(name).ok_or_else(|| vec![format!("no column {name}")]);
     let (lat, lon, height) = (required("lat")?, required("lon")?, required("height_m")?);
     let (radius, id) = (column("radius_m"), column("id").or(column("name")));
-    let mut found = Vec::new();
-    for record in records {
+    let read = |record: &csv::StringRecord| {
         let line = record.position().map_or(0, csv::Position::line);
         let cell = |column: usize| record.get(column).unwrap_or_default();
         let number = |column: usize| {
@@ -271,9 +276,24 @@ fn masts(
         let radius_m = radius_m.map(number).transpose()?;
         let name = id.map(cell).filter(|name| !name.is_empty());
         let name = name.map_or_else(|| format!("line {line}"), str::to_owned);
-        found.push(mast(name, at, Some(number(height)?), radius_m)?);
+        mast(name, at, Some(number(height)?), radius_m)
+    };
+    let (mut found, mut wrong) = (Vec::new(), Vec::new());
+    for record in records {
+        match read(record) {
+            Ok(mast) => found.push(mast),
+            Err(why) => wrong.push(why),
+        }
     }
-    Ok(found)
+    let more = wrong.len().saturating_sub(MAX_NAMED);
+    if more > 0 {
+        wrong.truncate(MAX_NAMED);
+        wrong.push(format!("{more} more rows that are wrong"));
+    }
+    match wrong.is_empty() {
+        true => Ok(found),
+        false => Err(wrong),
+    }
 }
 
 /// The obstacles of a file of shapes, by their properties `height_m`, `heights_m` and `radius_m`.

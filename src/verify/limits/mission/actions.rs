@@ -186,6 +186,13 @@ impl Contract<'_> {
         }
     }
 
+    /// Whether every action of a stop is done in a rest.
+    pub(super) fn does_all(&self, stop: &Stop, rest: &Rest) -> bool {
+        let (first, last) = rest.rows;
+        let items = self.mission.items.get(first - 1..last).unwrap_or_default();
+        self.not_done(stop, rest, items).is_empty()
+    }
+
     /// The actions without an item that does them, in their order, and those that would be dropped.
     fn not_done(&self, stop: &Stop, stay: &Rest, items: &[Item]) -> Vec<String> {
         let mut missing = Vec::new();

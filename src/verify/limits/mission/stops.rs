@@ -17,6 +17,9 @@ const NEAR_S: f64 = 5.0;
 /// Waypoints nearer to each other than this are at one place, metres.
 const SAME_M: f64 = 0.5;
 
+/// How far a wing may be from a stop, where and when it is nearest, and the row that it flies to then.
+type Nearest = (f64, PlanPoint, f64, usize);
+
 /// A stop and where the vehicle rests for it, or flies past it.
 struct Visit {
     stop: Stop,
@@ -107,24 +110,48 @@ impl Contract<'_> {
         start.into_iter().chain(stops).chain(goal).collect()
     }
 
-    /// Where a wing flies past a stop for the first time after another one: as a rest of no length,
-    /// and how far from the stop it may be there.
+    /// Where a wing flies past a stop after another one: as a rest of no length, and how far from the stop
+    /// it may be there. The first time, unless what is done there is done at a later one: a plane that has
+    /// taken off may cross its start before it comes to it on its path.
     fn pass(&self, stop: &Stop, point: PlanPoint, after_s: f64) -> Option<(Rest, f64)> {
+        let passes = self.passes_of(stop, point, after_s);
+        let acts = |pass: &&(Rest, f64)| stop.actions.is_empty() || self.does_all(stop, &pass.0);
+        let acting = passes.iter().find(acts);
+        acting.or_else(|| passes.first()).copied()
+    }
+
+    /// Each time that a wing flies past a stop; the nearest one where none is near enough.
+    fn passes_of(&self, stop: &Stop, point: PlanPoint, after_s: f64) -> Vec<(Rest, f64)> {
         let radius_m = self.radius_m(stop);
-        let mut best: Option<(f64, PlanPoint, f64, usize)> = None;
+        let mut found = Vec::new();
+        let mut best: Option<Nearest> = None;
         let chords = self.flight.chords.iter();
         for chord in chords.filter(|chord| chord.flown && chord.to_s > after_s) {
             let u = chord.nearest(point);
             let there = chord.at(u);
             let away_m = there.distance_m(point) + chord.error_m + chord.wide_m;
             if best.is_some_and(|best| best.0 <= radius_m) && away_m > radius_m {
-                break;
+                found.extend(best.take());
             }
             if best.is_none_or(|best| away_m < best.0) {
                 best = Some((away_m, there, chord.time_s(u), chord.row));
             }
         }
-        let (away_m, there, t_s, row) = best?;
+        let is_pass = |best: &Nearest| best.0 <= radius_m || found.is_empty();
+        found.extend(best.filter(is_pass));
+        let passes = found.into_iter();
+        passes
+            .map(|nearest| self.as_rest(nearest, point, radius_m))
+            .collect()
+    }
+
+    /// A pass as a rest of no length, and how far from the stop it may be.
+    fn as_rest(
+        &self,
+        (away_m, there, t_s, row): Nearest,
+        point: PlanPoint,
+        radius_m: f64,
+    ) -> (Rest, f64) {
         // The waypoint of the stop, if there is one.
         let marks = self.flight.route.iter();
         let marked = marks
@@ -143,7 +170,7 @@ impl Contract<'_> {
             until_s: t_s,
             rows: (first, next),
         };
-        Some((rest, away_m))
+        (rest, away_m)
     }
 
     /// Where a wing acts at its goal, and how far from it the vehicle comes: the route to it ends at
