@@ -68,10 +68,16 @@ pub mod command {
     pub const DO_LAND_START: u16 = 189;
     /// Point camera or nose at a place.
     pub const DO_SET_ROI_LOCATION: u16 = 195;
+    /// Point camera or nose at the next waypoint, or near it.
+    pub const DO_SET_ROI_WPNEXT_OFFSET: u16 = 196;
     /// Point camera or nose at a place, or at none.
     pub const DO_SET_ROI: u16 = 201;
     /// No longer point at a place.
     pub const DO_SET_ROI_NONE: u16 = 197;
+    /// How a camera mount is controlled.
+    pub const DO_MOUNT_CONFIGURE: u16 = 204;
+    /// Turn a camera mount.
+    pub const DO_MOUNT_CONTROL: u16 = 205;
     /// Take pictures at a distance from each other.
     pub const DO_SET_CAM_TRIGG_DIST: u16 = 206;
     /// Enable, disable or release a parachute.

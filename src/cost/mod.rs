@@ -80,6 +80,9 @@ impl CostTerms {
 pub struct Margins {
     /// More height above ground, and below the ceiling, metres.
     pub clearance_m: f64,
+    /// The part of `clearance_m` that a line over the ground asks for, which is never made smaller,
+    /// metres.
+    pub line_m: f64,
     /// Less height above ground than the greatest, metres.
     pub under_m: f64,
     /// More distance from threats and zones, metres.
@@ -100,12 +103,14 @@ impl Margins {
     pub(crate) fn within_m(&self, layer_m: f64) -> (f64, f64) {
         /// Share of a layer that margins may take.
         const MOST: f64 = 0.8;
-        let both_m = self.clearance_m + self.under_m;
-        let share = match both_m > MOST * layer_m {
-            true => (MOST * layer_m / both_m).max(0.0),
-            false => 1.0,
+        let most_m = MOST * (layer_m - self.line_m);
+        let more_m = self.clearance_m - self.line_m;
+        let both_m = more_m + self.under_m;
+        let share = match both_m > most_m {
+            true => (most_m / both_m).max(0.0),
+            false => return (self.clearance_m, self.under_m),
         };
-        (share * self.clearance_m, share * self.under_m)
+        (self.line_m + share * more_m, share * self.under_m)
     }
 
     /// A separation with what is asked for beyond it.

@@ -416,6 +416,7 @@ proptest! {
         let (plain, leg) = rough(Objective::Operational, 101);
         let margins = Margins {
             clearance_m: margin,
+            line_m: 0.0,
             under_m: margin,
             threat_m: margin,
             separation_m: margin,

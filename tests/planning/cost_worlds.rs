@@ -238,6 +238,7 @@ fn paper_options(rng: &mut impl Rng) -> PaperOptions {
 fn margins(rng: &mut impl Rng) -> Margins {
     Margins {
         clearance_m: rng.random_range(0.0..40.0),
+        line_m: 0.0,
         under_m: rng.random_range(0.0..40.0),
         threat_m: rng.random_range(0.0..100.0),
         separation_m: rng.random_range(0.0..50.0),

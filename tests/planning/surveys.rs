@@ -24,7 +24,7 @@ const FIELD: [(f64, f64); 4] = [
 /// Half of the swath of the camera at 80 m, in 1e-7 degrees of latitude.
 const HALF_SWATH: i32 = 4150;
 
-fn corners(of: &[(f64, f64)]) -> Vec<LatLon> {
+pub(crate) fn corners(of: &[(f64, f64)]) -> Vec<LatLon> {
     of.iter().map(|&(lat, lon)| place(lat, lon)).collect()
 }
 
@@ -36,7 +36,7 @@ fn camera() -> Sensor {
     }
 }
 
-fn sweep(shape: SweepShape, sensor: Option<Sensor>) -> Sweep {
+pub(crate) fn sweep(shape: SweepShape, sensor: Option<Sensor>) -> Sweep {
     Sweep {
         shape,
         sensor,
@@ -45,7 +45,7 @@ fn sweep(shape: SweepShape, sensor: Option<Sensor>) -> Sweep {
     }
 }
 
-fn field(holes: Vec<Vec<LatLon>>, heading_rad: Option<f64>) -> Sweep {
+pub(crate) fn field(holes: Vec<Vec<LatLon>>, heading_rad: Option<f64>) -> Sweep {
     let polygon = corners(&FIELD);
     let shape = SweepShape::Survey {
         polygon,
@@ -56,7 +56,7 @@ fn field(holes: Vec<Vec<LatLon>>, heading_rad: Option<f64>) -> Sweep {
 }
 
 /// Copters beside the field, and one task.
-fn spec(autopilot: Autopilot, vehicles: u8, sweep: Sweep) -> MissionSpec {
+pub(crate) fn spec(autopilot: Autopilot, vehicles: u8, sweep: Sweep) -> MissionSpec {
     let vehicles = (1..=vehicles).map(|sysid| {
         let at = |lat_deg| place(lat_deg, -84.2545 - 0.0016 * f64::from(sysid));
         let mut vehicle = copter(&format!("copter{sysid}"), sysid, at(36.301), at(36.3015));
@@ -74,13 +74,13 @@ fn spec(autopilot: Autopilot, vehicles: u8, sweep: Sweep) -> MissionSpec {
     spec
 }
 
-fn dispatched(spec: &MissionSpec) -> (World, Dispatched) {
+pub(crate) fn dispatched(spec: &MissionSpec) -> (World, Dispatched) {
     let world = world(spec);
     let done = dispatch(spec, &world, 1, &|_| ());
     (world, done)
 }
 
-fn failed(review: &Review) -> Vec<String> {
+pub(crate) fn failed(review: &Review) -> Vec<String> {
     let failed = review.margins.iter().filter(|margin| !margin.ok);
     failed
         .map(|margin| {
@@ -93,7 +93,7 @@ fn failed(review: &Review) -> Vec<String> {
 }
 
 /// The verdict on the missions of a plan with the first of them changed.
-fn judged(
+pub(crate) fn judged(
     spec: &MissionSpec,
     (world, done): &(World, Dispatched),
     change: &dyn Fn(&mut Vec<Item>),
@@ -105,7 +105,7 @@ fn judged(
 }
 
 /// From the waypoint where a line begins to the item that ends its pictures.
-fn line(items: &[Item], number: usize) -> std::ops::RangeInclusive<usize> {
+pub(crate) fn line(items: &[Item], number: usize) -> std::ops::RangeInclusive<usize> {
     let is_switch = |item: &Item, on: bool| {
         item.command == command::DO_SET_CAM_TRIGG_DIST && (item.params[0] > 0.0) == on
     };

@@ -209,3 +209,15 @@ fn everything_wrong_with_an_area_is_reported_at_once() {
         );
     }
 }
+
+#[test]
+fn pictures_of_a_survey_beside_those_along_the_way_of_every_copter_are_reported_at_the_camera() {
+    let task = "{id: t, survey: {polygon: [[36.29, -84.28], [36.295, -84.27], [36.285, -84.27]], camera: {fov_deg: [60, 45]}, agl_m: 80}}";
+    let good = spec(task);
+    let with = good.replace("speed_mps:", "camera: {trigger_distance_m: 40}, speed_mps:");
+    assert_ne!(good, with);
+    let found = issues(&with);
+    let at_camera = (found.iter()).find(|issue| issue.path == "tasks[0].survey.camera");
+    let at_camera = at_camera.unwrap_or_else(|| panic!("{found:?}"));
+    assert!(at_camera.found.contains("40 m"), "{at_camera:?}");
+}

@@ -365,6 +365,7 @@ impl<'a> JointPlan<'a> {
         let buffer_m = buffer * self.spec.mission.tolerance_m;
         let margins = Margins {
             clearance_m: buffer_m,
+            line_m: 0.0,
             under_m: buffer_m,
             threat_m: buffer_m,
             separation_m: 2.0 * buffer_m,

@@ -169,6 +169,7 @@ impl<'a> Planning<'a> {
         {
             let above_m = agl.0 - self.world.min_agl.0;
             context.margins.clearance_m = context.margins.clearance_m.max(above_m);
+            context.margins.line_m = above_m.max(0.0);
         }
         context
     }

@@ -3,6 +3,9 @@
 use crate::geodesy::{Agl, LatLon};
 use crate::spec::keys::Pattern;
 
+/// Distances may be longer than an overlap allows by this share: rounding.
+const LONGER: f64 = 1.01;
+
 /// Lines that are flown as they are laid out, at a height above the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
@@ -79,6 +82,14 @@ impl Sensor {
     #[must_use]
     pub fn pictures(&self) -> u32 {
         self.along.map_or(1, |(_, overlap)| times(overlap))
+    }
+
+    /// How far apart pictures on a line at a height may be, metres: as the overlap says, and a little
+    /// more for rounding; none for a sensor that sees all the time.
+    #[must_use]
+    pub fn pictures_apart_m(&self, above_m: f64) -> Option<f64> {
+        let (_, overlap) = self.along?;
+        Some(self.picture_m(above_m)? * (1.0 - overlap) * LONGER)
     }
 
     /// Width that is seen from a height, metres.

@@ -19,10 +19,19 @@ pub struct Task {
 }
 
 impl Task {
-    /// Whether a vehicle may be given it: a copter whose autopilot runs its actions.
+    /// Whether a vehicle may be given it: a copter whose autopilot runs its actions, and which takes
+    /// no pictures at a distance of its own where the task does.
     #[must_use]
     pub fn is_for(&self, vehicle: &Vehicle) -> bool {
-        !vehicle.airframe.has_wing() && self.is_run_by(vehicle.autopilot)
+        let has_distance = vehicle.on_way.trigger_m.is_some() && self.takes_pictures();
+        !vehicle.airframe.has_wing() && self.is_run_by(vehicle.autopilot) && !has_distance
+    }
+
+    /// Whether pictures are taken at a distance on its lines.
+    #[must_use]
+    pub fn takes_pictures(&self) -> bool {
+        let sensor = self.sweep.as_ref().and_then(|sweep| sweep.sensor);
+        sensor.is_some_and(|sensor| sensor.along.is_some())
     }
 
     /// Whether an autopilot runs all of its actions.

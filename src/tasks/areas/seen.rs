@@ -228,6 +228,11 @@ fn seen_from(cells: &Cells, sensor: &Sensor, agl_m: f64, pass: &Pass) -> Vec<usi
             else {
                 continue;
             };
+            let highest_m = leg.highest_m(first_m, last_m) - cells.cells[index].ground_m;
+            let most_m = sensor.pictures_apart_m(highest_m.max(agl_m));
+            if pass.trigger_m > most_m && most_m.is_some() {
+                continue;
+            }
             let (length_m, count) = pictures.entry(index).or_default();
             *length_m += last_m - first_m;
             let begins = pass.ends[0] && number == 0 && first_m <= 0.0;
@@ -269,6 +274,11 @@ impl Leg {
             ],
             slope: (to.amsl.0 - from.amsl.0) * per_m,
         }
+    }
+
+    /// Its greatest altitude on a part of it.
+    fn highest_m(&self, first_m: f64, last_m: f64) -> f64 {
+        self.from.amsl.0 + (self.slope * first_m).max(self.slope * last_m)
     }
 
     /// From where until where on the leg a cell is seen, metres from its begin.

@@ -3,13 +3,40 @@
 use super::{AssignedTask, Assigner, FleetTasks, PER_SECOND, Unit, float};
 use crate::geodesy::{Agl, EastNorth, PlanPoint};
 use crate::path::VehicleLimits;
-use crate::spec::{Arrival, EndPoint, Order, Placement, Stop, Sweep, Vehicle};
+use crate::spec::{Arrival, EndPoint, Order, Placement, Stop, StopAction, Sweep, Vehicle};
 use crate::tasks::areas::{Sampled, lifted};
 
 /// The part of the slope limits that lines use: their altitudes are smooth curves.
 const SLOPES: f64 = 0.8;
-/// Ends of lines are this much higher than they need be, metres.
+/// Ends of lines are this much higher than they need be, metres, where the greatest height allows.
 const ABOVE_M: f64 = 1.0;
+/// Encoding raises a point by less than this, metres.
+const ENCODED_M: f64 = 0.25;
+
+/// What turns a camera straight down again after what a vehicle does before a line.
+fn looks_down(vehicle: &Vehicle, before: &[Stop]) -> Vec<StopAction> {
+    let (mut points_at, mut is_turned, mut is_steered) = (false, false, false);
+    let at_stops = before.iter().flat_map(|stop| &stop.actions);
+    for action in vehicle.on_way.start.iter().chain(at_stops) {
+        match *action {
+            StopAction::Gimbal { pitch_deg, yaw_deg } => {
+                (is_steered, is_turned) = (true, (pitch_deg, yaw_deg) != (-90, 0));
+            }
+            StopAction::Roi(_) => (points_at, is_turned) = (true, is_steered),
+            StopAction::RoiNone => points_at = false,
+            _ => {}
+        }
+    }
+    let down = StopAction::Gimbal {
+        pitch_deg: -90,
+        yaw_deg: 0,
+    };
+    let no_longer = points_at.then_some(StopAction::RoiNone);
+    no_longer
+        .into_iter()
+        .chain(is_turned.then_some(down))
+        .collect()
+}
 
 /// Stops and where they are.
 #[derive(Default)]
@@ -74,7 +101,7 @@ impl Assigner<'_> {
             made.stops.extend(merged);
             made.points.push(self.points[unit.sites[position]]);
         }
-        self.lift(&mut made, &self.spec.vehicles[vehicle]);
+        self.lift(&mut made, vehicle);
         let own = &mut tasks.spec.vehicles[vehicle];
         (own.stops, own.order) = (made.stops, Order::Fixed);
         tasks.world.stations[vehicle].stops = made.points;
@@ -139,7 +166,10 @@ impl Assigner<'_> {
             hold_s: 0.0,
             acceptance_radius_m: None,
             heading_rad: None,
-            actions: Vec::new(),
+            actions: match (is_on, sweep.sensor) {
+                (false, Some(_)) => looks_down(own, &made.stops),
+                _ => Vec::new(),
+            },
             speed_mps: speed_mps.map(|speed_mps| if is_end { own.speed_mps } else { speed_mps }),
             window_s: None,
             wait_s: 0.0,
@@ -161,7 +191,7 @@ impl Assigner<'_> {
     }
 
     /// Raises the ends of lines to where climbs and descents allow what lies between.
-    fn lift(&self, made: &mut Stops, vehicle: &Vehicle) {
+    fn lift(&self, made: &mut Stops, vehicle: usize) {
         let is_line = |stop: &Stop| stop.arrives != Arrival::Planned;
         let mut first = 0;
         while first < made.stops.len() {
@@ -174,7 +204,10 @@ impl Assigner<'_> {
         }
     }
 
-    fn lift_chain(&self, made: &mut Stops, (first, last): (usize, usize), vehicle: &Vehicle) {
+    fn lift_chain(&self, made: &mut Stops, (first, last): (usize, usize), vehicle: usize) {
+        let layer = self.world.layers.get(vehicle);
+        let most_m = layer.map_or(f64::INFINITY, |layer| layer.max_agl_m);
+        let vehicle = &self.spec.vehicles[vehicle];
         let stops = &made.stops[first..=last];
         let fastest = stops.iter().filter_map(|stop| stop.speed_mps);
         let flown = Vehicle {
@@ -194,11 +227,10 @@ impl Assigner<'_> {
         let legs = at.windows(2).zip(&stops[1..]).map(|(pair, stop)| Sampled {
             from: pair[0],
             to: pair[1],
-            above_m: ABOVE_M
-                + match stop.arrives {
-                    Arrival::OnLine(agl) => agl.0,
-                    _ => self.world.min_agl.0,
-                },
+            above_m: match stop.arrives {
+                Arrival::OnLine(agl) => agl.0 + ABOVE_M.min((most_m - agl.0 - ENCODED_M).max(0.0)),
+                _ => self.world.min_agl.0 + ABOVE_M,
+            },
         });
         let points = lifted(&legs.collect::<Vec<_>>(), self.world, slopes);
         let mut sampled = points.iter();

@@ -2,6 +2,7 @@
 //! finish, departure, speed, slopes, turns, number of items.
 
 mod actions;
+mod aim;
 pub(crate) mod coverage;
 mod ends;
 mod fence;

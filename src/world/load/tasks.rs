@@ -2,7 +2,8 @@
 
 use super::Check;
 use crate::geodesy::{Agl, Amsl};
-use crate::spec::AltitudeLimits;
+use crate::numeric::digits;
+use crate::spec::{AltitudeLimits, SweepShape, Task};
 
 impl Check<'_> {
     /// Every place of a task must be one that some vehicle may fly at.
@@ -13,6 +14,7 @@ impl Check<'_> {
             return;
         };
         for (index, task) in spec.tasks.iter().enumerate() {
+            self.lines((index, task), widest);
             let keys: &[&str] = match task.stops.len() {
                 0 => &[],
                 1 => &["visit"],
@@ -22,6 +24,27 @@ impl Check<'_> {
                 let path = format!("tasks[{index}].{key}");
                 self.airborne((&path, "task"), stop.end, (widest, false));
             }
+        }
+    }
+
+    /// Lines over the ground must be no higher than some vehicle may fly.
+    fn lines(&mut self, (index, task): (usize, &Task), widest: AltitudeLimits) {
+        let Some((sweep, most)) = task.sweep.as_ref().zip(widest.max_agl) else {
+            return;
+        };
+        let most_m = most.0 - self.file.spec.buffers.ceiling_m;
+        if sweep.agl.0 > most_m {
+            let key = match sweep.shape {
+                SweepShape::Survey { .. } => "survey",
+                SweepShape::Corridor { .. } => "corridor",
+                SweepShape::Search(_) => "search.at",
+            };
+            let allowed = format!(
+                "at most {} m: max_agl_m less buffer_m.ceiling",
+                digits::plain(most_m)
+            );
+            let path = format!("tasks[{index}].{key}.agl_m");
+            self.report(&path, digits::plain(sweep.agl.0), allowed);
         }
     }
 }

@@ -3,9 +3,10 @@
 mod areas;
 
 use super::Checker;
+use crate::numeric::digits;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{AltitudeLimits, Arrival, MAX_TASKS, Span, Stop, Task, Vehicle};
+use crate::spec::{AltitudeLimits, Arrival, MAX_TASKS, Span, Stop, SweepShape, Task, Vehicle};
 
 const KINDS: &str = "exactly one of visit, deliver, survey, corridor, search";
 
@@ -218,7 +219,22 @@ impl Checker {
         let mut autopilots: Vec<&str> = copters.map(|one| one.autopilot.name()).collect();
         autopilots.sort_unstable();
         autopilots.dedup();
-        if !autopilots.is_empty() && !fleet.iter().any(|vehicle| task.is_for(vehicle)) {
+        if autopilots.is_empty() || fleet.iter().any(|vehicle| task.is_for(vehicle)) {
+            return;
+        }
+        let with_distance = fleet.iter().find_map(|one| one.on_way.trigger_m);
+        if let (Some(trigger_m), true) = (with_distance, task.takes_pictures()) {
+            let key = match task.sweep.as_ref().map(|sweep| &sweep.shape) {
+                Some(SweepShape::Corridor { .. }) => "corridor",
+                _ => "survey",
+            };
+            let found = format!(
+                "pictures of its own, and every copter takes them along its way (camera, {} m)",
+                digits::plain(trigger_m)
+            );
+            let allowed = "one copter at least without camera";
+            self.report(&format!("{path}.{key}.camera"), found, allowed);
+        } else {
             let found = format!("actions that {} refuses", autopilots.join(" and "));
             self.report(path, found, "actions that one copter runs");
         }

@@ -122,7 +122,8 @@ impl Contract<'_> {
                 }
                 _ if row > from && row <= to && misses(trigger_m) => {
                     wrong.push(format!(
-                        "pictures every {set_m} m on the way to item {row}, not every {trigger_m} m"
+                        "pictures every {} m on the way to item {row}, not every {trigger_m} m",
+                        (set_m * 1e3).round() / 1e3
                     ));
                 }
                 _ => {}

@@ -2,10 +2,11 @@
 //! they fly.
 
 use super::Contract;
+use super::aim::Aim;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::{self, command};
 use crate::spec::{MissionSpec, Sensor, Sweep, SweepShape, Task};
-use crate::tasks::{Cells, Gap, Pass, SweepLine, gaps, lay_out, seen_by};
+use crate::tasks::{Cell, Cells, Gap, Pass, SweepLine, gaps, lay_out, seen_by};
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::verify::{Limit, Margin, Moment, Requirement};
 use crate::world::World;
@@ -18,6 +19,9 @@ const NAMED: usize = 3;
 const LEAST_M: f64 = 1e-6;
 /// Distance of the places of a leg that are looked for, metres.
 const EVERY_M: f64 = 20.0;
+/// A leg may be lower than the height asked for by this and the tolerance of paths, metres: whole
+/// quarters of a metre.
+const LOWER_M: f64 = 0.25;
 /// A leg is not flown where the vehicle is higher than this many times the height asked for.
 const MOST_ABOVE: f64 = 1.5;
 
@@ -30,7 +34,7 @@ pub(crate) fn margins(
     let tasks = spec.tasks.iter();
     let with_lines = tasks.filter_map(|task| Some((task, task.sweep.as_ref()?)));
     let margins = with_lines.map(|(task, sweep)| match &sweep.sensor {
-        Some(sensor) => covered(task, (sweep, sensor), world, contracts),
+        Some(sensor) => covered(task, (sweep, sensor), (spec, world), contracts),
         None => flown(task, sweep, (spec, world), contracts),
     });
     margins.collect()
@@ -40,7 +44,7 @@ pub(crate) fn margins(
 fn covered(
     task: &Task,
     (sweep, sensor): (&Sweep, &Sensor),
-    world: &World,
+    (spec, world): (&MissionSpec, &World),
     contracts: &[Contract<'_>],
 ) -> Margin {
     let limit = Limit::AreaCovered(task.id.clone());
@@ -50,7 +54,12 @@ fn covered(
     let able = contracts
         .iter()
         .filter(|contract| task.is_for(contract.vehicle));
-    let passes: Vec<Pass> = able.flat_map(|contract| contract.passes(sensor)).collect();
+    let (mut passes, mut turned) = (Vec::new(), Vec::new());
+    for contract in able {
+        let (of_one, by) = contract.passes(sensor);
+        passes.extend(of_one);
+        turned.extend(by.map(|item| contract.turned_away(item)));
+    }
     let seen = seen_by(&cells, sensor, sweep.agl.0, &passes);
     let missing: Vec<bool> = seen.iter().map(|lines| *lines < sensor.lines()).collect();
     let share =
@@ -66,14 +75,40 @@ fn covered(
         item: 0,
     });
     let required = Requirement::at_least(limit, LEAST_PERCENT, "%");
-    Margin {
-        note: named(&gaps, world),
-        ..required.margin("", 100.0 * share, at)
+    let mut margin = required.margin("", 100.0 * share, at);
+    let mut notes = match margin.ok {
+        true => Vec::new(),
+        false => turned,
+    };
+    notes.extend(named(&gaps, world));
+    if !margin.ok {
+        notes.extend(closed_over(&cells, sweep.agl.0, (spec, world)));
     }
+    margin.note = notes.join("; ");
+    margin
+}
+
+/// The zones that are always closed at the height of the lines over a part of an area.
+fn closed_over(cells: &Cells, agl_m: f64, (spec, world): (&MissionSpec, &World)) -> Option<String> {
+    let zones = spec.no_fly.iter().zip(&world.zones);
+    let closed = zones.filter(|(_, zone)| {
+        let is_closed = |cell: &Cell| {
+            let (from_m, below_m) = zone.closed_m(cell.ground_m);
+            (from_m..below_m).contains(&(cell.ground_m + agl_m)) && zone.holds(cell.at)
+        };
+        zone.active_s.is_none() && cells.cells.iter().any(is_closed)
+    });
+    let ids: Vec<String> = closed.map(|(zone, _)| format!("`{}`", zone.id)).collect();
+    (!ids.is_empty()).then(|| {
+        format!(
+            "no-fly zone {} is closed {agl_m} m above ground over a part of the area (allowed: a hole around it, another agl_m, or another polygon)",
+            ids.join(", ")
+        )
+    })
 }
 
 /// The largest gaps with place and size.
-fn named(gaps: &[Gap], world: &World) -> String {
+fn named(gaps: &[Gap], world: &World) -> Option<String> {
     let name = |gap: &Gap| {
         let place = world.frame.from_plan(gap.at);
         format!(
@@ -83,17 +118,31 @@ fn named(gaps: &[Gap], world: &World) -> String {
     };
     let largest: Vec<String> = gaps.iter().take(NAMED).map(name).collect();
     match gaps.len() {
-        0 => String::new(),
-        1 => format!("gap of {}", largest[0]),
-        count => format!("{count} gaps, the largest: {}", largest.join("; ")),
+        0 => None,
+        1 => Some(format!("gap of {}", largest[0])),
+        count => Some(format!("{count} gaps, the largest: {}", largest.join("; "))),
     }
 }
 
+/// A motion before another one.
+#[derive(Clone, Copy, Default)]
+struct Before<'a> {
+    chord: Option<&'a Chord>,
+    /// Index of the item that set the distance of pictures.
+    switch: Option<usize>,
+    /// Whether the ground is seen on it.
+    is_on: bool,
+    /// Whether pictures were taken on it, of the ground below.
+    takes_pictures: bool,
+}
+
 impl Contract<'_> {
-    /// The parts of the flight on which a sensor sees the ground.
-    fn passes(&self, sensor: &Sensor) -> Vec<Pass> {
+    /// The parts of the flight on which a sensor sees the ground, and the first item that
+    /// turned it away where it would.
+    fn passes(&self, sensor: &Sensor) -> (Vec<Pass>, Option<usize>) {
         let mut passes: Vec<Pass> = Vec::new();
-        let mut before: Option<(&Chord, Option<usize>)> = None;
+        let mut before = Before::default();
+        let (mut aim, mut first_turned) = (Aim::default(), None);
         let flown = |chord: &&Chord| {
             let length_m = chord.from.at.distance_m(chord.to.at);
             chord.flown && chord.phase == Phase::Route && length_m > LEAST_M
@@ -101,39 +150,40 @@ impl Contract<'_> {
         for chord in self.flight.chords.iter().filter(flown) {
             let switch = self.switch_before(chord.row);
             let trigger_m = switch.and_then(|item| self.trigger_m(item));
-            let is_on = sensor.along.is_none() || trigger_m.is_some();
-            let is_same =
-                before.is_some_and(|(last, of)| of == switch && !self.rests_between(last, chord));
-            let is_first = before.is_none_or(|(_, of)| of != switch);
-            if is_on {
-                if !is_same || passes.is_empty() {
-                    passes.push(Pass {
-                        legs: Vec::new(),
-                        trigger_m,
-                        ends: [
-                            is_first && switch.is_some_and(|item| self.takes_one(item)),
-                            false,
-                        ],
-                    });
-                }
-                if let Some(pass) = passes.last_mut() {
-                    pass.legs.push((chord.from, chord.to));
-                }
-            }
+            aim = self.aim_on(aim, chord.row);
+            let would_see = sensor.along.is_none() || trigger_m.is_some();
+            let turned = self.turned_by(&aim, chord).filter(|_| would_see);
+            first_turned = first_turned.or(turned);
+            let is_on = would_see && turned.is_none();
+            let is_first = before.chord.is_none() || before.switch != switch;
+            let goes_on = |last| !is_first && before.is_on && !self.rests_between(last, chord);
+            let is_same = before.chord.is_some_and(goes_on);
+            let takes_one = is_first && switch.is_some_and(|item| self.takes_one(item));
             // The picture with which a distance is ended or changed.
-            let was_on =
-                before.is_some_and(|(_, of)| of.is_some_and(|item| self.trigger_m(item).is_some()));
-            let ends_with_one =
-                is_first && was_on && switch.is_some_and(|item| self.takes_one(item));
-            if let (true, Some(pass)) = (
-                ends_with_one,
-                passes.iter_mut().rev().nth(usize::from(is_on)),
-            ) {
+            let ended = passes
+                .last_mut()
+                .filter(|_| takes_one && before.takes_pictures);
+            if let Some(pass) = ended {
                 pass.ends[1] = true;
             }
-            before = Some((chord, switch));
+            if is_on && !is_same {
+                passes.push(Pass {
+                    legs: Vec::new(),
+                    trigger_m,
+                    ends: [takes_one, false],
+                });
+            }
+            if let (true, Some(pass)) = (is_on, passes.last_mut()) {
+                pass.legs.push((chord.from, chord.to));
+            }
+            before = Before {
+                chord: Some(chord),
+                switch,
+                is_on,
+                takes_pictures: is_on && trigger_m.is_some(),
+            };
         }
-        passes
+        (passes, first_turned)
     }
 
     /// Index of the last item before a row that sets the distance of pictures.
@@ -163,6 +213,16 @@ impl Contract<'_> {
     }
 }
 
+fn too_low(leg: usize, sweep: &Sweep, least_m: f64) -> String {
+    format!(
+        "leg {leg} is flown lower than {least_m:.1} m above ground (agl_m {} less mission.tolerance_m)",
+        sweep.agl.0
+    )
+}
+
+/// How near a place of a leg must be passed, and at which heights above ground, metres.
+type Near = (f64, std::ops::RangeInclusive<f64>);
+
 /// How many legs of a line one vehicle flies in order, and for which it is too far away.
 fn flown(
     task: &Task,
@@ -174,41 +234,51 @@ fn flown(
     let lines = layout.lines.iter();
     let total: usize = lines.clone().map(|line| line.points.len() - 1).sum();
     let near_m = mission::corner_cut_m(&spec.mission).max(spec.mission.tolerance_m) + 1.0;
+    let least_m = sweep.agl.0 - spec.mission.tolerance_m - LOWER_M;
     let best = contracts
         .iter()
         .filter(|contract| task.is_for(contract.vehicle))
         .map(|contract| {
-            let legs = |line: &SweepLine| {
-                let forwards = contract.legs(&line.points, sweep, near_m);
+            let legs = |line: &SweepLine, least_m: f64| {
+                let near = (near_m, least_m..=MOST_ABOVE * sweep.agl.0);
+                let forwards = contract.legs(&line.points, &near);
                 let backwards = match line.is_reversible {
                     true => {
                         let turned: Vec<EastNorth> = line.points.iter().rev().copied().collect();
-                        contract.legs(&turned, sweep, near_m)
+                        contract.legs(&turned, &near)
                     }
                     false => 0,
                 };
                 forwards.max(backwards)
             };
-            (lines.clone().map(legs).sum::<usize>(), contract)
+            let from = |least_m: f64| lines.clone().map(|line| legs(line, least_m)).sum::<usize>();
+            let flown = from(least_m);
+            let at_any_height = if flown < total {
+                from(f64::NEG_INFINITY)
+            } else {
+                flown
+            };
+            (flown, at_any_height, contract)
         })
-        .max_by_key(|(legs, _)| *legs);
+        .max_by_key(|(flown, at_any_height, _)| (*flown, *at_any_height));
     let required = Requirement::at_least(Limit::Task(task.id.clone()), count(total), "legs");
     let what = match sweep.shape {
         SweepShape::Search(_) => "the pattern",
         _ => "the corridor",
     };
     match best {
-        Some((0, _)) | None => Margin {
+        Some((_, 0, _)) | None => Margin {
             note: format!("no vehicle flies {what}"),
             ..required.margin("", 0.0, None)
         },
-        Some((legs, contract)) => Margin {
-            note: match legs < total {
-                true => format!(
+        Some((legs, at_any_height, contract)) => Margin {
+            note: match (legs < total, at_any_height > legs) {
+                (true, true) => too_low(legs + 1, sweep, least_m),
+                (true, false) => format!(
                     "leg {} is not flown in order within {near_m:.0} m",
                     legs + 1
                 ),
-                false => String::new(),
+                (false, _) => String::new(),
             },
             ..required.margin(contract.id(), count(legs), None)
         },
@@ -217,7 +287,7 @@ fn flown(
 
 impl Contract<'_> {
     /// How many legs of a line are flown, each after the one before it.
-    fn legs(&self, line: &[EastNorth], sweep: &Sweep, near_m: f64) -> usize {
+    fn legs(&self, line: &[EastNorth], near: &Near) -> usize {
         let flown = |chord: &&Chord| chord.flown && chord.to_s.is_finite();
         let chords: Vec<&Chord> = self.flight.chords.iter().filter(flown).collect();
         let mut cursor = (0, 0.0);
@@ -230,7 +300,7 @@ impl Contract<'_> {
                     east_m: leg[0].east_m + share * (leg[1].east_m - leg[0].east_m),
                     north_m: leg[0].north_m + share * (leg[1].north_m - leg[0].north_m),
                 };
-                match self.passed(&chords, cursor, at, (near_m, MOST_ABOVE * sweep.agl.0)) {
+                match self.passed(&chords, cursor, at, near) {
                     Some(next) => cursor = next,
                     None => return number,
                 }
@@ -246,7 +316,7 @@ impl Contract<'_> {
         chords: &[&Chord],
         (first, from): (usize, f64),
         at: EastNorth,
-        (near_m, above_m): (f64, f64),
+        (near_m, above_m): &Near,
     ) -> Option<(usize, f64)> {
         let height_m = |point: PlanPoint| {
             let ground = self
@@ -265,7 +335,7 @@ impl Contract<'_> {
             let share = if square > 0.0 { along / square } else { 0.0 };
             let share = share.clamp(least, 1.0);
             let point = chord.at(share);
-            let is_near = point.at.distance_m(at) <= near_m && height_m(point) <= above_m;
+            let is_near = point.at.distance_m(at) <= *near_m && above_m.contains(&height_m(point));
             is_near.then_some((index, share))
         })
     }
