@@ -6,7 +6,7 @@ mod fleet;
 mod order;
 mod stops;
 
-pub use areas::{Cell, Cells, Gap, Layout, Pass, SweepLine, gaps, lay_out, seen_by};
+pub use areas::{Cell, Cells, Gap, Layout, Pass, SweepLine, far_apart, gaps, lay_out, seen_by};
 pub use assignment::{Assigned, Assignment, Carrier, Form, Job, Spent, Visit, Way};
 pub use fleet::{AssignedTask, Assigner, FleetTasks, TaskLeft};
 pub use order::{MAX_EXACT, Sequence, best_order};

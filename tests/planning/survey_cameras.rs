@@ -148,7 +148,7 @@ fn a_camera_that_was_turned_at_a_stop_looks_down_again_on_the_lines() {
 }
 
 #[test]
-fn pictures_further_apart_than_overlaps_below_one_half_allow_are_gaps() {
+fn lines_and_pictures_further_apart_than_overlaps_below_one_half_allow_are_gaps() {
     let mut sweep = field(Vec::new(), Some(FRAC_PI_2));
     let half = 22.5_f64.to_radians().tan();
     sweep.sensor = Some(Sensor {
@@ -160,6 +160,9 @@ fn pictures_further_apart_than_overlaps_below_one_half_allow_are_gaps() {
     let planned = dispatched(&spec);
     assert_eq!(judged(&spec, &planned, &|_| ()), Vec::<String>::new());
     let covered = |failed: Vec<String>| failed.iter().any(|text| text.contains(COVERED));
+    assert!(covered(judged(&spec, &planned, &|items| {
+        items.drain(line(items, 2));
+    })));
     let with_distance = |distance_m: f32| {
         judged(&spec, &planned, &|items| {
             for item in items.iter_mut().filter(|item| item.params[0] > 5.0) {

@@ -84,8 +84,14 @@ impl Sensor {
         self.along.map_or(1, |(_, overlap)| times(overlap))
     }
 
-    /// How far apart pictures on a line at a height may be, metres: as the overlap says, and a little
-    /// more for rounding; none for a sensor that sees all the time.
+    /// How far apart neighbouring lines at a height may be, metres: as the side overlap says, and a
+    /// little more for rounding.
+    #[must_use]
+    pub fn lines_apart_m(&self, above_m: f64) -> f64 {
+        self.swath_m(above_m) * (1.0 - self.side_overlap) * LONGER
+    }
+
+    /// The same of pictures on a line; none for a sensor that sees all the time.
     #[must_use]
     pub fn pictures_apart_m(&self, above_m: f64) -> Option<f64> {
         let (_, overlap) = self.along?;

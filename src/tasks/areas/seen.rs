@@ -20,7 +20,7 @@ const MOST_CELLS: f64 = 60_000.0;
 const LEAST_SIDE_M: f64 = 0.5;
 /// What is seen from more than this many times the height asked for counts as not seen: pictures
 /// from there are too coarse.
-const MOST_ABOVE: f64 = 1.5;
+pub(super) const MOST_ABOVE: f64 = 1.5;
 /// Distances of pictures may be shorter than planned by this share: rounding.
 const EPSILON: f64 = 1e-9;
 
@@ -147,7 +147,7 @@ impl Cells {
 
     /// Indices of the cells that are no further than `reach_m` from a leg, sideways and beyond its
     /// ends.
-    fn near(
+    pub(super) fn near(
         &self,
         from: EastNorth,
         to: EastNorth,
@@ -252,17 +252,17 @@ fn seen_from(cells: &Cells, sensor: &Sensor, agl_m: f64, pass: &Pass) -> Vec<usi
 }
 
 /// A straight piece of a pass.
-struct Leg {
+pub(super) struct Leg {
     from: PlanPoint,
     length_m: f64,
     /// Direction, east and north.
-    course: [f64; 2],
+    pub(super) course: [f64; 2],
     /// Rise over run.
     slope: f64,
 }
 
 impl Leg {
-    fn new(from: PlanPoint, to: PlanPoint) -> Self {
+    pub(super) fn new(from: PlanPoint, to: PlanPoint) -> Self {
         let length_m = from.at.distance_m(to.at);
         let per_m = 1.0 / length_m.max(1e-9);
         Self {
@@ -279,6 +279,23 @@ impl Leg {
     /// Its greatest altitude on a part of it.
     fn highest_m(&self, first_m: f64, last_m: f64) -> f64 {
         self.from.amsl.0 + (self.slope * first_m).max(self.slope * last_m)
+    }
+
+    /// From a place to the leg abeam of it, east and north, metres, and the altitude of the leg there;
+    /// none further before its begin and beyond its end than `beyond_m`.
+    pub(super) fn abeam(&self, at: EastNorth, beyond_m: f64) -> Option<((f64, f64), f64)> {
+        let [east_m, north_m] = [
+            at.east_m - self.from.at.east_m,
+            at.north_m - self.from.at.north_m,
+        ];
+        let along_m = east_m * self.course[0] + north_m * self.course[1];
+        let away_m = (
+            along_m * self.course[0] - east_m,
+            along_m * self.course[1] - north_m,
+        );
+        let amsl_m = self.from.amsl.0 + self.slope * along_m.clamp(0.0, self.length_m);
+        let abeam = -beyond_m..=self.length_m + beyond_m;
+        abeam.contains(&along_m).then_some((away_m, amsl_m))
     }
 
     /// From where until where on the leg a cell is seen, metres from its begin.

@@ -6,7 +6,7 @@ use super::aim::Aim;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::{self, command};
 use crate::spec::{MissionSpec, Sensor, Sweep, SweepShape, Task};
-use crate::tasks::{Cell, Cells, Gap, Pass, SweepLine, gaps, lay_out, seen_by};
+use crate::tasks::{Cell, Cells, Gap, Pass, SweepLine, far_apart, gaps, lay_out, seen_by};
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::verify::{Limit, Margin, Moment, Requirement};
 use crate::world::World;
@@ -61,7 +61,12 @@ fn covered(
         turned.extend(by.map(|item| contract.turned_away(item)));
     }
     let seen = seen_by(&cells, sensor, sweep.agl.0, &passes);
-    let missing: Vec<bool> = seen.iter().map(|lines| *lines < sensor.lines()).collect();
+    // How often a place is seen says nothing of overlaps below one half, and little of those between
+    // two counts.
+    let apart = far_apart(&cells, sensor, sweep.agl.0, &passes);
+    let missing: Vec<bool> = (seen.iter().zip(apart))
+        .map(|(lines, is_apart)| *lines < sensor.lines() || is_apart)
+        .collect();
     let share =
         count(missing.iter().filter(|missing| !**missing).count()) / count(missing.len().max(1));
     let gaps = gaps(&cells, &missing);
