@@ -18,6 +18,7 @@ mod flight_wings;
 mod hostile_fleet;
 mod launch_time;
 mod replan_columns;
+mod replan_left;
 mod replan_stops;
 mod replan_trouble;
 mod replan_wings;

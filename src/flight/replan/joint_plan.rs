@@ -15,7 +15,7 @@ use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, MissionError, VehicleMission, command};
 use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, Order, Vehicle};
+use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, OnWay, Order, Vehicle};
 use crate::verify::{self, Limit, Margin, Review};
 use crate::world::{Stations, World};
 
@@ -200,6 +200,11 @@ impl<'a> JointPlan<'a> {
                 .map(|&stop| vehicle.stops[stop].clone())
                 .collect();
             at.stops = ahead.iter().map(|&stop| stations.stops[stop]).collect();
+            if state.returns_from(vehicle, stations.goal) && vehicle.wing.is_none() {
+                own.finish = Finish::Return;
+                (at.goal, at.goal_ground) = (stations.goal, stations.goal_ground);
+            }
+            own.on_way = on_way_ahead(state, vehicle, stations);
         }
     }
 
@@ -296,7 +301,12 @@ impl<'a> JointPlan<'a> {
         routes.first_mut()?.insert(0, turn);
         let built = match self.encode(state, &routes) {
             Ok(mut built) => {
+                if self.vehicle(state).finish == Finish::Return {
+                    drop_last_trigger(&mut built.items);
+                }
                 keep_stays(&mut built.items, state.vias_after(branch));
+                // They are on board already, as the stops ahead need them.
+                built.params.clone_from(&state.held.params);
                 built
             }
             Err(error) => {
@@ -345,7 +355,15 @@ impl<'a> JointPlan<'a> {
             at_s: self.given.now_s,
         };
         self.add(state, (from, to), state.lands, departure);
+        let (vehicle, stations) = (self.vehicle(state), self.stations(state));
         let index = self.spec.vehicles.len() - 1;
+        if let Some(own) = self.spec.vehicles.last_mut() {
+            own.on_way = on_way_ahead(state, vehicle, stations);
+            if vehicle.finish == Finish::Return {
+                // What is done at the goal stays as it is on board.
+                own.on_way.goal.clear();
+            }
+        }
         let routes: Vec<Vec<TimedPoint>> = routes
             .iter()
             .map(|route| self.route(state, route).path)
@@ -404,7 +422,8 @@ impl<'a> JointPlan<'a> {
                 .get(first)
                 .map(VehiclePlan::path)
                 .unwrap_or_default();
-            let rest_s = vias.get(number).map_or(0.0, |via| rest_s(&via.items));
+            let own = self.vehicle(state);
+            let rest_s = vias.get(number).map_or(0.0, |via| rest_s(&via.items, own));
             (at_s, speed_mps) = (timed.last().map_or(at_s, |last| last.t_s) + rest_s, 0.0);
             paths.push(timed.iter().map(|timed| timed.point).collect());
         }
@@ -465,12 +484,36 @@ fn keep_stays<'a>(items: &mut Vec<Item>, vias: impl Iterator<Item = &'a Via>) {
     }
 }
 
-/// How long the items of a place hold, seconds.
-fn rest_s(items: &[Item]) -> f64 {
+/// What it has still to do at its goal and on the way there: nothing on its way back.
+fn on_way_ahead(state: &VehicleState, vehicle: &Vehicle, stations: &Stations) -> OnWay {
+    let is_over = vehicle.finish == Finish::Return && !state.returns_from(vehicle, stations.goal);
+    match is_over {
+        true => OnWay::default(),
+        false => vehicle.on_way.clone(),
+    }
+}
+
+/// Removes the last picture at the end of new routes: one that returns takes it at its goal.
+fn drop_last_trigger(items: &mut Vec<Item>) {
+    let is_trigger = |item: &Item| item.command == command::DO_SET_CAM_TRIGG_DIST;
+    let last = items.iter().rposition(is_trigger);
+    if let Some(last) = last.filter(|last| *last >= head_len(items)) {
+        items.remove(last);
+    }
+}
+
+/// How long a vehicle is at the items of a place, seconds: its holds, and its ways down and up.
+fn rest_s(items: &[Item], vehicle: &Vehicle) -> f64 {
     let waypoints = items
         .iter()
         .filter(|item| item.command == command::NAV_WAYPOINT);
-    waypoints.map(|item| f64::from(item.params[0])).sum()
+    let waypoints: Vec<&Item> = waypoints.collect();
+    let holds = waypoints.iter().map(|item| f64::from(item.params[0]));
+    let ways = waypoints.windows(2).map(|pair| {
+        let rise_m = f64::from(pair[1].z - pair[0].z);
+        (rise_m / vehicle.climb_mps).max(-rise_m / vehicle.descent_mps)
+    });
+    holds.sum::<f64>() + ways.sum::<f64>()
 }
 
 /// The ground below a point; where there is no data it is not a number, and nothing passes.

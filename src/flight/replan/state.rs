@@ -11,7 +11,7 @@ use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
-use crate::spec::{Stop, Vehicle, Wing};
+use crate::spec::{Finish, Stop, Vehicle, Wing};
 use crate::verify::Track;
 use crate::world::{Departure, Stations};
 
@@ -150,7 +150,7 @@ impl VehicleState {
         let is_load = |index: &usize| held.items.get(*index).is_some_and(puts_down);
         ahead.retain(|(index, _)| !is_landing && !is_load(index));
         let in_drop = |(index, point): &(usize, PlanPoint)| reference.dips_at(index + 1, point.at);
-        let drops = ahead.iter().map(in_drop).collect();
+        let drops: Vec<bool> = ahead.iter().map(in_drop).collect();
         let stands = stands(observed, &held.items, row);
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some((_, top))) = (rising, ahead.first_mut()) {
@@ -158,7 +158,8 @@ impl VehicleState {
         }
         let [north_cmps, east_cmps, _] = observed.position.velocity_cmps.map(f64::from);
         let station = plan.world.stations.get(vehicle);
-        let vias = station.map_or_else(Vec::new, |of| vias(&held, &ahead, (of.start, of.goal)));
+        let ends = station.map(|of| (of.start, of.goal));
+        let vias = ends.map_or_else(Vec::new, |ends| vias(&held, (&ahead, &drops), ends));
         Ok(Self {
             vehicle,
             held,
@@ -262,11 +263,20 @@ impl VehicleState {
         self.vias.iter().filter(move |via| via.first >= retained)
     }
 
+    /// Whether it comes to its goal and returns from there.
+    pub(super) fn returns_from(&self, vehicle: &Vehicle, goal: PlanPoint) -> bool {
+        let is_goal = |via: &Via| via.point.distance_m(goal) < GOAL_M;
+        vehicle.finish == Finish::Return && self.vias.iter().any(is_goal)
+    }
+
     /// The stops of its own that are ahead, in the order in which it visits them, by their indices in
     /// the spec. One at which it rests already is none: it is not done twice.
     pub(super) fn stops_ahead(&self, vehicle: &Vehicle, stations: &Stations) -> Vec<usize> {
         let at = |via: &Via| {
-            let is_whole = |stop: &Stop| stop.actions.is_empty() || via.items.len() > 1;
+            let is_whole = |stop: &Stop| {
+                let is_one_item = stop.actions.is_empty() && stop.drop_m <= 0.0;
+                is_one_item || via.items.len() > 1
+            };
             let mut stops = vehicle.stops.iter().zip(&stations.stops);
             stops.position(|(stop, point)| via.point.distance_m(*point) < GOAL_M && is_whole(stop))
         };
@@ -368,10 +378,11 @@ fn after_actions(items: &[Item], waypoint: usize) -> usize {
     waypoint + 1 + rest.take_while(is_action).count()
 }
 
-/// Where a mission stays or turns back ahead, but for its start.
+/// Where a mission stays or turns back ahead, but for its start. A drop is one of them, at its upper end:
+/// what it does down there, and the ways there and back, remain as they are on board.
 fn vias(
     held: &VehicleMission,
-    ahead: &[(usize, PlanPoint)],
+    (ahead, drops): (&[(usize, PlanPoint)], &[bool]),
     (start, goal): (PlanPoint, PlanPoint),
 ) -> Vec<Via> {
     let item = |at: usize| ahead.get(at).and_then(|(index, _)| held.items.get(*index));
@@ -389,9 +400,10 @@ fn vias(
         let mut last = at;
         while holds(at)
             && holds(last + 1)
-            && ahead
-                .get(last + 1)
-                .is_some_and(|(_, next)| next.distance_m(point) < SAME_M)
+            && (drops.get(last + 1).is_some_and(|drops| *drops)
+                || ahead
+                    .get(last + 1)
+                    .is_some_and(|(_, next)| next.distance_m(point) < SAME_M))
         {
             last += 1;
         }
