@@ -44,9 +44,9 @@ pub(super) fn load_commands(spec: &MissionSpec) -> BTreeSet<u16> {
 
 impl Contract<'_> {
     /// Whether items move a load where none of the stops that the vehicle makes asks for it: its own,
-    /// and those of its tasks.
+    /// and those of its tasks. One that begins in the air may have part of a stop behind it.
     pub(super) fn stray(&self, commands: &BTreeSet<u16>, of_tasks: &[&Stop]) -> Option<Margin> {
-        if commands.is_empty() {
+        if commands.is_empty() || self.stations.departure.is_airborne() {
             return None;
         }
         let own: Vec<Stop> = self.with_ends().into_iter().map(|(stop, _)| stop).collect();
