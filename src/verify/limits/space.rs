@@ -4,6 +4,8 @@ use crate::geodesy::{EastNorth, LatLon};
 use crate::spec::{MissionSpec, Zone};
 use crate::world::{Layer, NoData, World};
 
+use rayon::prelude::*;
+
 use super::closed::Closed;
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
@@ -103,7 +105,7 @@ impl<'a> Space<'a> {
                 }
             }
         }
-        let zones = self.spec.no_fly.iter().zip(&self.zones);
+        let zones = self.spec.no_fly.par_iter().zip(&self.zones);
         found.zones = zones.map(|zone| self.judge_zone(zone, &way)).collect();
         self.found_margins(id, flight, found)
     }

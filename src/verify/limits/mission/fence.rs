@@ -4,6 +4,8 @@
 //! are judged from the encoded items alone: that a wider boundary covers what it stands for and
 //! stays away from what is flown, and how far from path and ways back the others are.
 
+use rayon::prelude::*;
+
 use super::{Contract, count};
 use crate::geodesy::LatLon;
 use crate::mission::{self, FENCE_REACH_S, Item, command};
@@ -150,7 +152,7 @@ impl Contract<'_> {
             }
         }
         ways.extend(backs);
-        let margins = pieces.iter().map(|(name, items)| {
+        let margins = pieces.par_iter().map(|(name, items)| {
             let limit = Limit::FenceLeftOut(name.clone());
             let region = match Fence::read(items) {
                 Ok(region) => region,
