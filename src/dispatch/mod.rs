@@ -173,7 +173,7 @@ fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
         done.tasks = Some(Box::new(tasks));
         if best
             .as_ref()
-            .is_none_or(|best| severity(&done) < severity(best))
+            .is_none_or(|best| violated(&done.review) < violated(&best.review))
         {
             best = Some(done);
         }
@@ -202,10 +202,6 @@ fn assigned_again(
 }
 
 /// Violated limits of flights, then tasks that are not done.
-fn severity(done: &Dispatched) -> (usize, usize) {
-    violated(&done.review)
-}
-
 fn violated(review: &Review) -> (usize, usize) {
     let failed = review.margins.iter().filter(|margin| !margin.ok);
     let (tasks, others): (Vec<_>, Vec<_>) =

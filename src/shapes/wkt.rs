@@ -87,35 +87,27 @@ impl<'a> Reader<'a> {
         if !is_collection || depth == MAX_DEPTH {
             return Err(format!("`{}`, no geometry that is read", shortened(start)));
         }
-        self.opens()?;
+        self.needs('(', "(")?;
         let mut geometries = vec![self.geometry(depth + 1)?];
         while self.takes(',') {
             geometries.push(self.geometry(depth + 1)?);
         }
-        self.closes()?;
+        self.needs(')', ", or )")?;
         Ok(json!({"type": "GeometryCollection", "geometries": geometries}))
     }
 
-    fn opens(&mut self) -> Result<(), String> {
-        let found = shortened(self.rest);
-        let opens = self.takes('(');
-        opens
-            .then_some(())
-            .ok_or(format!("`{found}` where ( is due"))
-    }
-
-    fn closes(&mut self) -> Result<(), String> {
-        let found = shortened(self.rest);
-        let closes = self.takes(')');
-        closes
-            .then_some(())
-            .ok_or(format!("`{found}` where , or ) is due"))
+    /// Takes a sign that must come next, or names what does.
+    fn needs(&mut self, sign: char, due: &str) -> Result<(), String> {
+        match self.takes(sign) {
+            true => Ok(()),
+            false => Err(format!("`{}` where {due} is due", shortened(self.rest))),
+        }
     }
 
     /// Positions in brackets, nested so deep. A position alone may have its own: those of a multipoint.
     fn nested(&mut self, nesting: usize) -> Result<Value, String> {
         let is_alone = nesting == 0;
-        self.opens()?;
+        self.needs('(', "(")?;
         let mut parts = Vec::new();
         loop {
             let has_own = self.rest.trim_start().starts_with('(');
@@ -128,7 +120,7 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
-        self.closes()?;
+        self.needs(')', ", or )")?;
         Ok(match (is_alone, parts.pop()) {
             (true, Some(position)) => position,
             (_, last) => parts.into_iter().chain(last).collect(),

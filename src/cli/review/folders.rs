@@ -20,7 +20,8 @@ pub(super) fn opened(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(opened)
 }
 
-/// Refuses the missions of a folder that its `.waypoints` files hold otherwise: which of the two is flown?
+/// Refuses a folder whose `.plan` and `.waypoints` hold different missions of one vehicle: either may be
+/// the one that is flown.
 pub(super) fn refuse_disagreeing<'a>(
     paths: &[PathBuf],
     missions: impl Iterator<Item = (&'a PathBuf, &'a VehicleMission)>,

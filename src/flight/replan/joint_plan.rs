@@ -4,18 +4,20 @@
 //! departs from where it is. The verdict judges the items that a vehicle has ahead: those that it
 //! retains and the new ones.
 
+mod stays;
 mod unaffected;
 
+use self::stays::{drop_last_trigger, keep_stays, on_way_ahead, rest_s};
 use super::assessment::{Assessment, NoPath};
 use super::new_mission::{NewMission, head_len};
 use super::state::{Branch, VehicleState, Via};
 use crate::cost::Margins;
 use crate::flight::conformance::reference::Reference;
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::mission::{self, Item, MissionError, VehicleMission, command};
+use crate::mission::{self, Item, MissionError, VehicleMission};
 use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, OnWay, Order, Vehicle};
+use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, Order, Vehicle};
 use crate::verify::{self, Limit, Margin, Review};
 use crate::world::{Stations, World};
 
@@ -468,52 +470,6 @@ fn is_driven_off(margin: &Margin, fleet: &[Vehicle]) -> bool {
     let drift_m = vehicle.map_or(0.0, |vehicle| vehicle.landing_drift_m(None));
     let is_finish = margin.limit == Limit::Finish && !margin.ok;
     is_finish && margin.value - drift_m <= margin.bound
-}
-
-/// Puts what is done at the places that a new path leads over instead of the turns there.
-fn keep_stays<'a>(items: &mut Vec<Item>, vias: impl Iterator<Item = &'a Via>) {
-    let is_turn = |item: &Item| item.command == command::NAV_WAYPOINT && item.params[0] > 0.0;
-    let mut from = 0;
-    for via in vias.filter(|via| !via.items.is_empty()) {
-        let Some(turn) = items.iter().skip(from).position(is_turn) else {
-            return;
-        };
-        let at = from + turn;
-        items.splice(at..=at, via.items.iter().copied());
-        from = at + via.items.len();
-    }
-}
-
-/// What it has still to do at its goal and on the way there: nothing on its way back.
-fn on_way_ahead(state: &VehicleState, vehicle: &Vehicle, stations: &Stations) -> OnWay {
-    let is_over = vehicle.finish == Finish::Return && !state.returns_from(vehicle, stations.goal);
-    match is_over {
-        true => OnWay::default(),
-        false => vehicle.on_way.clone(),
-    }
-}
-
-/// Removes the last picture at the end of new routes: one that returns takes it at its goal.
-fn drop_last_trigger(items: &mut Vec<Item>) {
-    let is_trigger = |item: &Item| item.command == command::DO_SET_CAM_TRIGG_DIST;
-    let last = items.iter().rposition(is_trigger);
-    if let Some(last) = last.filter(|last| *last >= head_len(items)) {
-        items.remove(last);
-    }
-}
-
-/// How long a vehicle is at the items of a place, seconds: its holds, and its ways down and up.
-fn rest_s(items: &[Item], vehicle: &Vehicle) -> f64 {
-    let waypoints = items
-        .iter()
-        .filter(|item| item.command == command::NAV_WAYPOINT);
-    let waypoints: Vec<&Item> = waypoints.collect();
-    let holds = waypoints.iter().map(|item| f64::from(item.params[0]));
-    let ways = waypoints.windows(2).map(|pair| {
-        let rise_m = f64::from(pair[1].z - pair[0].z);
-        (rise_m / vehicle.climb_mps).max(-rise_m / vehicle.descent_mps)
-    });
-    holds.sum::<f64>() + ways.sum::<f64>()
 }
 
 /// The ground below a point; where there is no data it is not a number, and nothing passes.

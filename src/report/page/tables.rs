@@ -133,15 +133,12 @@ pub(in crate::report) fn served(
     if count == 0 {
         return String::new();
     }
-    let is = |id: &str| {
-        input
-            .spec
-            .vehicles
-            .iter()
-            .position(|vehicle| vehicle.id == id)
+    let index_of = |id: &str| {
+        let mut fleet = input.spec.vehicles.iter();
+        fleet.position(|vehicle| vehicle.id == id)
     };
     let rows = flown.iter().flat_map(|facts| {
-        let colour = is(&facts.vehicle).unwrap_or(0) % COLOURS.len();
+        let colour = index_of(&facts.vehicle).unwrap_or(0) % COLOURS.len();
         let vehicle = escaped(&facts.vehicle);
         let row = move |of: &ServedFacts| served_row(of, colour, &vehicle);
         facts.served.iter().map(row)

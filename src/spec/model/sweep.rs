@@ -42,6 +42,18 @@ pub enum SweepShape {
     Search(SearchPattern),
 }
 
+impl SweepShape {
+    /// The key of the spec.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Survey { .. } => "survey",
+            Self::Corridor { .. } => "corridor",
+            Self::Search(_) => "search",
+        }
+    }
+}
+
 /// A search pattern, flown by one vehicle from its begin to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchPattern {

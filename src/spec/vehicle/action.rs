@@ -79,6 +79,16 @@ impl StopAction {
         }
     }
 
+    /// Whether it moves a load: done once more, or elsewhere, it loses it.
+    #[must_use]
+    pub fn moves_load(&self) -> bool {
+        use StopAction::{Gripper, PayloadPlace, Relay, Servo, Winch};
+        matches!(
+            self,
+            Gripper { .. } | Winch { .. } | PayloadPlace { .. } | Servo { .. } | Relay { .. }
+        )
+    }
+
     /// Whether an autopilot accepts it in a mission.
     #[must_use]
     pub fn is_run_by(&self, autopilot: Autopilot) -> bool {

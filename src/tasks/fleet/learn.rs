@@ -13,8 +13,8 @@ use crate::spec::MissionSpec;
 const SLOWER: u64 = 30;
 /// Raised estimates are raised by this more.
 const SURPLUS: f64 = 1.01;
-/// Most plans of a trial, one entry each; after the first one with what autopilots are late, then with
-/// less and less of the endurance.
+/// Most plans of each trial: the first with estimates by the flight model, the second with the lateness of
+/// autopilots in them, each of the others with less of the endurance.
 const PLANS: [usize; 5] = [4, 2, 2, 2, 2];
 /// The first trial with less endurance.
 const FIRST_WITH_LESS: u8 = 2;
@@ -31,7 +31,7 @@ pub(super) struct Trial {
 }
 
 impl Trial {
-    /// Whether ways use also what autopilots are later than the flight model.
+    /// Whether estimates have in them what autopilots are late.
     pub(super) fn counts_lateness(self) -> bool {
         self.number == 1
     }

@@ -34,16 +34,15 @@ impl Check<'_> {
         };
         let most_m = most.0 - self.file.spec.buffers.ceiling_m;
         if sweep.agl.0 > most_m {
-            let key = match sweep.shape {
-                SweepShape::Survey { .. } => "survey",
-                SweepShape::Corridor { .. } => "corridor",
-                SweepShape::Search(_) => "search.at",
+            let of_datum = match sweep.shape {
+                SweepShape::Search(_) => ".at",
+                _ => "",
             };
             let allowed = format!(
                 "at most {} m: max_agl_m less buffer_m.ceiling",
                 digits::plain(most_m)
             );
-            let path = format!("tasks[{index}].{key}.agl_m");
+            let path = format!("tasks[{index}].{}{of_datum}.agl_m", sweep.shape.key());
             self.report(&path, digits::plain(sweep.agl.0), allowed);
         }
     }

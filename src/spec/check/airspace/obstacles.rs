@@ -228,7 +228,7 @@ fn rows(file: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, Vec<String>> {
         .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     let names = reader.headers();
     let names = names.map_err(|error| vec![error.to_string()])?.clone();
-    let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
+    let column = |name: &str| shaped_table::column(&names, name);
     let records: Result<Vec<_>, _> = reader.records().collect();
     let records = records.map_err(|error| vec![error.to_string()])?;
     let geometry = shaped_table::geometry_column(&names, &records);
@@ -258,7 +258,7 @@ fn masts(
     names: &csv::StringRecord,
     records: &[csv::StringRecord],
 ) -> Result<Vec<Obstacle>, Vec<String>> {
-    let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
+    let column = |name: &str| shaped_table::column(names, name);
     let required = |name: &str| column(name).ok_or_else(|| vec![format!("no column {name}")]);
     let (lat, lon, height) = (required("lat")?, required("lon")?, required("height_m")?);
     let (radius, id) = (column("radius_m"), column("id").or(column("name")));

@@ -10,13 +10,18 @@ const COLUMNS: [&str; 4] = ["wkt", "geometry", "geom", "the_geom"];
 /// What is read from a table with such a column.
 const NUMBERS: [&str; 2] = ["height_m", "radius_m"];
 
+/// The column of a name, in whichever case.
+pub(super) fn column(names: &csv::StringRecord, name: &str) -> Option<usize> {
+    names.iter().position(|of| of.eq_ignore_ascii_case(name))
+}
+
 /// The column with the geometry: of such a name, and with well-known text or without another place in
 /// the table.
 pub(super) fn geometry_column(
     names: &csv::StringRecord,
     records: &[csv::StringRecord],
 ) -> Option<usize> {
-    let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
+    let column = |name: &str| column(names, name);
     let found = COLUMNS.iter().find_map(|name| column(name))?;
     let cells = records.iter().filter_map(|record| record.get(found));
     let has_place = column("lat").is_some() && column("lon").is_some();
@@ -29,7 +34,7 @@ pub(super) fn as_geojson(
     (names, records): (&csv::StringRecord, &[csv::StringRecord]),
     geometry: usize,
 ) -> Result<Vec<u8>, String> {
-    let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
+    let column = |name: &str| column(names, name);
     let id = column("id").or(column("name"));
     let mut features = Vec::new();
     for record in records {

@@ -6,7 +6,7 @@ use super::Checker;
 use crate::numeric::digits;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{AltitudeLimits, Arrival, MAX_TASKS, Span, Stop, SweepShape, Task, Vehicle};
+use crate::spec::{AltitudeLimits, Arrival, MAX_TASKS, Span, Stop, Task, Vehicle};
 
 const KINDS: &str = "exactly one of visit, deliver, survey, corridor, search";
 
@@ -224,10 +224,7 @@ impl Checker {
         }
         let with_distance = fleet.iter().find_map(|one| one.on_way.trigger_m);
         if let (Some(trigger_m), true) = (with_distance, task.takes_pictures()) {
-            let key = match task.sweep.as_ref().map(|sweep| &sweep.shape) {
-                Some(SweepShape::Corridor { .. }) => "corridor",
-                _ => "survey",
-            };
+            let key = task.sweep.as_ref().map_or("", |sweep| sweep.shape.key());
             let found = format!(
                 "pictures of its own, and every copter takes them along its way (camera, {} m)",
                 digits::plain(trigger_m)

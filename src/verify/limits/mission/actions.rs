@@ -20,15 +20,6 @@ const SAME_M: f64 = 0.5;
 /// A turn of the nose by 180 degrees, seconds.
 const TURN_S: f64 = 4.0;
 
-/// Actions that move a load: done once more, or elsewhere, they lose it.
-fn moves_load(action: &StopAction) -> bool {
-    use StopAction::{Gripper, PayloadPlace, Relay, Servo, Winch};
-    matches!(
-        action,
-        Gripper { .. } | Winch { .. } | PayloadPlace { .. } | Servo { .. } | Relay { .. }
-    )
-}
-
 /// The commands of a spec that move loads, by whichever vehicle.
 pub(super) fn load_commands(spec: &MissionSpec) -> BTreeSet<u16> {
     let own = spec.vehicles.iter().flat_map(|vehicle| {
@@ -37,7 +28,7 @@ pub(super) fn load_commands(spec: &MissionSpec) -> BTreeSet<u16> {
     });
     let of_tasks = spec.tasks.iter().flat_map(|task| &task.stops);
     own.chain(of_tasks.flat_map(|stop| &stop.actions))
-        .filter(|action| moves_load(action))
+        .filter(|action| action.moves_load())
         .map(StopAction::command)
         .collect()
 }
