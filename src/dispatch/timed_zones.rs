@@ -8,7 +8,7 @@ mod in_flight;
 use super::{Dispatched, Job};
 use crate::path::route_ends;
 use crate::spec::{MissionSpec, Span, Stop, Vehicle, wait_less};
-use crate::verify::Limit;
+use crate::verify::{Limit, Review};
 use crate::world::{Stations, World};
 
 /// A plan this near to its bound has nothing to gain, as a share of the bound.
@@ -92,6 +92,17 @@ impl Dispatched {
         self.delayed = (planned != stops(specified)).then_some(planned);
         self
     }
+}
+
+/// Whether a vehicle enters a zone with times during these.
+pub(super) fn breaks_one(spec: &MissionSpec, review: &Review) -> bool {
+    let mut broken = review.margins.iter().filter(|margin| !margin.ok);
+    broken.any(|margin| match &margin.limit {
+        Limit::Zone(id) => {
+            (spec.no_fly.iter()).any(|zone| zone.id == *id && zone.active_s.is_some())
+        }
+        _ => false,
+    })
 }
 
 /// The zones that vehicles enter while they are active, though they were planned through them: by the

@@ -42,6 +42,24 @@ pub struct Carrier<'a> {
     pub slowest: u64,
     /// Waits are whole numbers of this.
     pub wait_step: u64,
+    /// When it may not be at each place, from and to: it lies in a zone with times. Empty where
+    /// that is nowhere.
+    pub closed: &'a [Vec<(u64, u64)>],
+}
+
+impl Carrier<'_> {
+    /// Whether it may be at a place from one time to another.
+    fn may_be_at(&self, place: usize, (comes, leaves): (u64, u64)) -> bool {
+        let mut closed = self.closed.get(place).into_iter().flatten();
+        !closed.any(|&(from, to)| comes < to && from < leaves)
+    }
+
+    /// Whether it depends on the time if it may be at a place.
+    fn minds_time_at(&self, place: usize) -> bool {
+        self.closed
+            .get(place)
+            .is_some_and(|spans| !spans.is_empty())
+    }
 }
 
 /// A way from one place to another.
@@ -134,8 +152,8 @@ impl Assignment<'_> {
             .collect()
     }
 
-    /// Time and use of a vehicle with these visits; none where there is no way, or a window is
-    /// missed.
+    /// Time and use of a vehicle with these visits; none where there is no way, a window is missed,
+    /// or a place is closed as the vehicle is there.
     #[must_use]
     pub fn go(
         &self,
@@ -230,6 +248,9 @@ impl Assignment<'_> {
             waits(here.wait);
             let rest = u64::from(visit.rest) + here.wait - waited;
             stop = Some(here);
+            if !own.may_be_at(visit.place, (early, late + rest)) {
+                return None;
+            }
             (early, late) = (early + rest, late + rest);
             spent.rest += rest;
             spent.uses += rest * own.rest_uses;

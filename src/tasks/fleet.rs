@@ -6,13 +6,15 @@
 
 mod estimate;
 mod expand;
+mod in_time;
 mod learn;
 mod why;
 
+use in_time::InTime;
 use learn::Trial;
 
 use super::areas::{Layout, SweepLine, lay_out};
-use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Visit, Way};
+use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Visit};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::plan::least_lengths_m;
 use crate::spec::{MissionSpec, Stop, Sweep, Task};
@@ -95,6 +97,8 @@ pub struct Assigner<'a> {
     slowest: Vec<u64>,
     /// How the tasks are assigned, by what did not pass before.
     trial: Trial,
+    /// The times of zones that places lie in; none: these are not minded.
+    in_time: Option<InTime>,
 }
 
 /// Places of visits and loads.
@@ -125,9 +129,12 @@ impl<'a> Assigner<'a> {
     /// Of a spec whose stops are in the order in which they are visited; none without tasks.
     #[must_use]
     pub fn new(spec: &'a MissionSpec, world: &'a World, seed: u64) -> Option<Self> {
-        if spec.tasks.is_empty() {
-            return None;
-        }
+        (!spec.tasks.is_empty()).then(|| Self::of(spec, world, seed))
+    }
+
+    /// Of any spec.
+    #[must_use]
+    pub fn of(spec: &'a MissionSpec, world: &'a World, seed: u64) -> Self {
         let mut sites = Sites::default();
         let mut units = Vec::new();
         for (task, points) in world.tasks.iter().enumerate() {
@@ -165,7 +172,7 @@ impl<'a> Assigner<'a> {
             points.extend(&stations.stops);
             points.push(stations.goal);
         }
-        Some(Self {
+        Self {
             spec,
             world,
             seed,
@@ -177,20 +184,20 @@ impl<'a> Assigner<'a> {
             factors: vec![1.0; spec.vehicles.len()],
             slowest: vec![SLOWEST; spec.vehicles.len()],
             trial: Trial::default(),
-        })
+            in_time: None,
+        }
     }
 
     /// The tasks as they are assigned by what is known.
     #[must_use]
     pub fn assign(&self) -> FleetTasks {
         let jobs = self.jobs();
-        let ways: Vec<Vec<Vec<Option<Way>>>> = (0..self.spec.vehicles.len())
-            .map(|vehicle| self.ways(vehicle))
+        let fleet = 0..self.spec.vehicles.len();
+        let known: Vec<_> = fleet
+            .map(|vehicle| (self.ways(vehicle), self.closed(vehicle)))
             .collect();
-        let carriers: Vec<Carrier<'_>> = ways
-            .iter()
-            .enumerate()
-            .map(|(vehicle, ways)| self.carrier(vehicle, ways))
+        let carriers: Vec<Carrier<'_>> = (known.iter().enumerate())
+            .map(|(vehicle, (ways, closed))| self.carrier(vehicle, ways, closed))
             .collect();
         let assignment = Assignment {
             vehicles: &carriers,

@@ -10,4 +10,4 @@ pub use areas::{Cell, Cells, Gap, Layout, Pass, SweepLine, far_apart, gaps, lay_
 pub use assignment::{Assigned, Assignment, Carrier, Form, Job, Spent, Visit, Way};
 pub use fleet::{AssignedTask, Assigner, FleetTasks, TaskLeft};
 pub use order::{MAX_EXACT, Sequence, best_order};
-pub use stops::{FreeOrder, free_orders, in_order};
+pub use stops::{FreeOrder, free_orders, in_order, orders_in_time};

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
+use super::fleet::Assigner;
 use super::order::{MAX_EXACT, best_order};
 use crate::geodesy::PlanPoint;
 use crate::path::route_ends;
@@ -58,6 +59,35 @@ pub fn in_order(spec: &MissionSpec, world: &World, orders: &[FreeOrder]) -> (Mis
         }
     }
     (spec, world)
+}
+
+/// The orders in which vehicles are not at their stops during the times of zones there, each with the
+/// bound that holds for all orders: one for each estimate of what is flown in such zones, where it is
+/// another than the one before.
+#[must_use]
+pub fn orders_in_time(
+    spec: &MissionSpec,
+    world: &World,
+    (found, seed): (&[FreeOrder], u64),
+) -> Vec<Vec<FreeOrder>> {
+    let mut assigner = Assigner::of(spec, world, seed);
+    let mut orders: Vec<Vec<FreeOrder>> = vec![found.to_vec()];
+    while assigner.minds_times() {
+        let fleet = found.iter().enumerate();
+        let in_time = fleet.map(|(vehicle, known)| {
+            let is_free = !known.order.is_empty();
+            let order = is_free.then(|| assigner.order_in_time(vehicle)).flatten();
+            FreeOrder {
+                order: order.unwrap_or_else(|| known.order.clone()),
+                bound: known.bound,
+            }
+        });
+        let in_time: Vec<FreeOrder> = in_time.collect();
+        if !orders.contains(&in_time) {
+            orders.push(in_time);
+        }
+    }
+    orders.split_off(1)
 }
 
 fn free_order(spec: &MissionSpec, world: &World, vehicle: usize, seed: u64) -> FreeOrder {

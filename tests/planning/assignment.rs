@@ -55,6 +55,7 @@ fn assigned(ways: &[Vec<Option<Way>>]) -> u64 {
             begins: 0,
             slowest: 1000,
             wait_step: 1,
+            closed: &[],
         })
         .collect();
     let job = |place| Job {

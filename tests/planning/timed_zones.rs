@@ -5,6 +5,7 @@
 use crate::support;
 use std::path::Path;
 
+use super::stops::stop;
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::spec::*;
 use support::plans::{EAST, WEST};
@@ -211,4 +212,73 @@ fn what_is_flown_through_an_inactive_zone_is_no_dearer_than_the_way_around_it() 
         done.plan.cost()
     });
     assert!(through <= around, "{through} {around}");
+}
+
+/// A zone around a place near the start, active until a time, and a place farther on: what is near is
+/// the first thing to be done otherwise.
+fn near_and_far(autopilot: Autopilot, until_s: f64) -> (MissionSpec, [Stop; 2]) {
+    let mut spec = closed((0.0, until_s), true);
+    spec.no_fly[0].polygon = vec![
+        place(36.28, -84.305),
+        place(36.28, -84.295),
+        place(36.32, -84.295),
+        place(36.32, -84.305),
+    ];
+    spec.planner.evaluations = 1000;
+    spec.vehicles[0].autopilot = autopilot;
+    let stops = [("near", -84.30), ("far", -84.25)];
+    (
+        spec,
+        stops.map(|(id, lon_deg)| stop(id, place(36.301, lon_deg), 3.0)),
+    )
+}
+
+#[test]
+fn a_free_order_comes_to_a_stop_in_a_zone_after_its_time() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let order = |until_s: f64| {
+            let (mut spec, stops) = near_and_far(autopilot, until_s);
+            (spec.vehicles[0].stops, spec.vehicles[0].order) = (stops.to_vec(), Order::Free);
+            let done = dispatched(&spec);
+            (done.review.passes(), done.plan.vehicles[0].order.clone())
+        };
+        // The zone is no longer active as the vehicle departs.
+        assert_eq!(order(-1.0), (true, vec![0, 1]));
+        assert_eq!(order(600.0), (true, vec![1, 0]));
+        // With PX4 it takes as long to find that out.
+        assert!(autopilot == Autopilot::Px4 || !order(9000.0).0);
+    }
+}
+
+#[test]
+fn tasks_in_a_zone_are_done_after_its_time_or_named_with_it() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let assigned = |until_s: f64| {
+            let (mut spec, stops) = near_and_far(autopilot, until_s);
+            let tasks = stops.into_iter().map(|stop| Task {
+                id: stop.id.clone(),
+                stops: vec![stop],
+                sweep: None,
+            });
+            spec.tasks = tasks.collect();
+            let done = dispatched(&spec);
+            let tasks = done.tasks.as_ref().expect("tasks");
+            let ids: Vec<String> = tasks.done[0].iter().map(|task| task.id.clone()).collect();
+            let left: Vec<String> = tasks.left.iter().map(|task| task.why.clone()).collect();
+            (done.review.passes(), ids.join(" "), left.join(" "))
+        };
+        let all = |ids: &str| (true, ids.to_owned(), String::new());
+        assert_eq!(assigned(-1.0), all("near far"));
+        assert_eq!(assigned(600.0), all("far near"));
+        if autopilot == Autopilot::Px4 {
+            continue;
+        }
+        let (passes, done, why) = assigned(9000.0);
+        assert_eq!((passes, done.as_str()), (false, "far"));
+        assert!(
+            why.contains("zone range is closed from T0 +0 s to T0 +9000 s"),
+            "{why}"
+        );
+        assert!(why.contains("`depart_window_s`"), "{why}");
+    }
 }

@@ -86,10 +86,12 @@ impl Assignment<'_> {
             return None;
         }
         let before = self.go(vehicle, visits.iter().copied())?;
-        let has_window =
-            |(job, position): &(usize, usize)| self.jobs[*job].visits[*position].window.is_some();
-        let is_timed = visits.iter().any(has_window)
-            || (0..count).any(|position| has_window(&(job, position)));
+        let has_time = |(job, position): &(usize, usize)| {
+            let visit = &self.jobs[*job].visits[*position];
+            visit.window.is_some() || own.minds_time_at(visit.place)
+        };
+        let is_timed =
+            visits.iter().any(has_time) || (0..count).any(|position| has_time(&(job, position)));
         let mut best: Option<Insertion> = None;
         let mut consider = |at: Placed| {
             let found = match is_timed {

@@ -196,10 +196,37 @@ impl Assignment<'_> {
         })
     }
 
+    /// Takes out the jobs that vehicles come to before the time of a zone has ended, since they do no longer
+    /// what they did before.
+    fn come_too_soon(&self, visits: &mut [Vec<(usize, usize)>]) -> Vec<usize> {
+        let mut taken = Vec::new();
+        for (vehicle, (own, visits)) in self.vehicles.iter().zip(visits).enumerate() {
+            let is_open = own.closed.iter().all(Vec::is_empty);
+            if is_open || self.go(vehicle, visits.iter().copied()).is_some() {
+                continue;
+            }
+            let is_timed = |visit: &&(usize, usize)| {
+                let place = self.jobs[visit.0].visits[visit.1].place;
+                own.minds_time_at(place) && own.own != Some(visit.0)
+            };
+            let mut timed: Vec<usize> = visits
+                .iter()
+                .filter(is_timed)
+                .map(|visit| visit.0)
+                .collect();
+            timed.sort_unstable();
+            timed.dedup();
+            visits.retain(|visit| !timed.contains(&visit.0));
+            taken.append(&mut timed);
+        }
+        taken
+    }
+
     /// Inserts the jobs that are left wherever they fit: first those that lose most if their best
     /// vehicle is taken, or in random order with noise.
     fn insert(&self, assigned: &mut Assigned, mut noise: Option<Noise<'_>>) {
         let mut waiting = std::mem::take(&mut assigned.left);
+        waiting.extend(self.come_too_soon(&mut assigned.visits));
         waiting.sort_unstable();
         // The best insertion of each waiting job into each vehicle; one vehicle changes at a time.
         let mut found: Vec<Vec<Option<Insertion>>> = Vec::with_capacity(waiting.len());

@@ -22,6 +22,7 @@ fn carrier(ways: &[Vec<Option<Way>>], start: usize, budget: u64) -> Carrier<'_> 
         begins: 0,
         slowest: 1000,
         wait_step: 1,
+        closed: &[],
     }
 }
 

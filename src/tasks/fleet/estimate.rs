@@ -20,16 +20,20 @@ const LEAST_TURN_M: f64 = 0.5;
 impl Assigner<'_> {
     /// The ways of a vehicle between the places of tasks, and its own start, stops and goal.
     pub(super) fn ways(&self, vehicle: usize) -> Vec<Vec<Option<Way>>> {
-        let (first, stops) = (
-            self.starts[vehicle],
-            self.spec.vehicles[vehicle].stops.len(),
-        );
-        let tasks = self.own_first();
         let lines = self.line_speeds(vehicle);
-        let sites: Vec<usize> = (0..tasks).chain(first..first + stops + 2).collect();
+        let sites = self.sites(vehicle);
         let way = |from: usize, to: usize| self.way(vehicle, (sites[from], sites[to]), &lines);
         let row = |from| (0..sites.len()).map(|to| way(from, to)).collect();
         (0..sites.len()).map(row).collect()
+    }
+
+    /// The places of tasks, and its own start, stops and goal.
+    pub(super) fn sites(&self, vehicle: usize) -> Vec<usize> {
+        let first = self.starts[vehicle];
+        let stops = self.spec.vehicles[vehicle].stops.len();
+        (0..self.own_first())
+            .chain(first..first + stops + 2)
+            .collect()
     }
 
     /// Number of the line of each place of a task and the vehicle on it; none where there is none.
@@ -120,7 +124,12 @@ impl Assigner<'_> {
         self.spec.wind.map_or([0.0; 2], |wind| wind.velocity_mps())
     }
 
-    pub(super) fn carrier<'w>(&self, vehicle: usize, ways: &'w [Vec<Option<Way>>]) -> Carrier<'w> {
+    pub(super) fn carrier<'w>(
+        &self,
+        vehicle: usize,
+        ways: &'w [Vec<Option<Way>>],
+        closed: &'w [Vec<(u64, u64)>],
+    ) -> Carrier<'w> {
         let own = &self.spec.vehicles[vehicle];
         let [east_mps, north_mps] = self.wind_mps();
         let rest = own.endurance.as_ref().map_or(0.0, |endurance| {
@@ -141,6 +150,7 @@ impl Assigner<'_> {
             begins: whole(route_start_s(own, &self.world.stations[vehicle]) * PER_SECOND).into(),
             slowest: self.slowest[vehicle],
             wait_step: 10,
+            closed,
         }
     }
 

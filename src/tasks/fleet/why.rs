@@ -81,11 +81,13 @@ impl Assigner<'_> {
         if in_layer.peek().is_none() {
             return "no vehicle that runs its actions may fly at its height".to_owned();
         }
-        let mut reaches = in_layer.filter(|&vehicle| assignment.has_ways(vehicle, unit));
-        match (reaches.next(), has_window) {
-            (None, _) => "its place is within 10 m of the start or the goal of each vehicle that may do it: give these `actions` instead".to_owned(),
-            (Some(_), true) => "no vehicle that may do it is there in its window".to_owned(),
-            (Some(_), false) => "its places are within 10 m of each other, or of stops of each vehicle that may do it".to_owned(),
+        let reaches = in_layer.any(|vehicle| assignment.has_ways(vehicle, unit));
+        let closed = self.closed_zone(unit).filter(|_| reaches);
+        match (reaches, has_window) {
+            (false, _) => "its place is within 10 m of the start or the goal of each vehicle that may do it: give these `actions` instead".to_owned(),
+            _ if closed.is_some() => closed.unwrap_or_default(),
+            (true, true) => "no vehicle that may do it is there in its window".to_owned(),
+            (true, false) => "its places are within 10 m of each other, or of stops of each vehicle that may do it".to_owned(),
         }
     }
 
@@ -105,6 +107,14 @@ impl Assigner<'_> {
             "its window of {:.1} s is shorter than the lateness of {spread_s:.1} s that {} may have there",
             window.most - window.least,
             vehicle.id
+        ))
+    }
+
+    /// What is said of a unit in a zone with times.
+    fn closed_zone(&self, unit: usize) -> Option<String> {
+        let (id, (from_s, to_s)) = self.timed_zone_at(&self.units[unit].sites)?;
+        Some(format!(
+            "zone {id} is closed from T0 {from_s:+.0} s to T0 {to_s:+.0} s, and no vehicle is there before or after that; `depart_window_s` lets one wait on the ground"
         ))
     }
 
