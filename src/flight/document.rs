@@ -185,7 +185,7 @@ fn alarm(of: &RaisedAlarm) -> AlarmEntry {
 }
 
 fn vehicle(report: &VehicleReport) -> FlownVehicle {
-    let late = report.passages.iter().map(|passage| passage.late_s().abs());
+    let late = report.late_s().map(f64::abs);
     FlownVehicle {
         id: report.vehicle.clone(),
         end: report.end.clone(),

@@ -3,7 +3,7 @@
 use super::console::{Paint, out};
 use super::failure::Failure;
 use super::table::{self, Rows};
-use crate::flight::{FlightReport, Passage, ServiceState, Spread, done_words};
+use crate::flight::{FlightReport, ServiceState, Spread, done_words};
 use crate::verify::{Limit, Margin, Sense};
 
 /// Prints the table of a flight that is over, and the limits that were violated.
@@ -66,7 +66,7 @@ fn vehicle_rows(judged: &FlightReport, paint: Paint) -> Rows {
         )
     };
     for vehicle in &judged.vehicles {
-        let latest = vehicle.passages.iter().map(Passage::late_s);
+        let latest = vehicle.late_s();
         let latest = latest.max_by(|a, b| a.abs().total_cmp(&b.abs()));
         let clearance = judged
             .margins

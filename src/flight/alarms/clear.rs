@@ -2,8 +2,9 @@
 //! of a wing that holds, the way of a return.
 
 use super::breach::{Depth, ERROR_M};
-use super::future::nearest;
+use super::future::{SLOW_MPS, nearest};
 use super::{Alarms, Here, Watched};
+use crate::autopilot::Autopilot;
 use crate::flight::conformance::COLUMN_M;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::approach::Segment;
@@ -18,8 +19,36 @@ const WIDE_SHARE: f64 = 0.25;
 const WIDE_M: f64 = 20.0;
 /// An order takes effect after this time, seconds.
 const DELAY_S: f64 = 2.0;
+/// A rally point that is farther than home by more is none that an autopilot returns to, metres: which is
+/// nearer is decided a moment later, somewhere else.
+const RALLY_FARTHER_M: f64 = 100.0;
+/// `RALLY_LIMIT_KM` of `ArduPlane`, metres.
+const RALLY_REACH_M: f64 = 5000.0;
+/// Two that return may come anywhere on their ways at any time, seconds.
+const EVER_S: f64 = 10_000.0;
+/// By how much a return may be off its times, seconds and a share of how long it takes.
+const OFF_S: f64 = 30.0;
+const OFF_SHARE: f64 = 0.5;
 /// Others are looked at for this long, seconds.
 const AHEAD_S: f64 = 600.0;
+
+/// How a way is held against where others will be.
+#[derive(Clone, Copy)]
+enum Timing {
+    /// At the same times; it is so much wider, metres.
+    Within(f64),
+    /// At about the same times: autopilots return faster or slower than planned, and others rest.
+    About,
+}
+
+/// Where a vehicle may return to.
+struct ReturnPlace {
+    point: PlanPoint,
+    /// Altitude of the way there, if it is not higher already.
+    level_amsl: Amsl,
+    /// The way, in words.
+    way: String,
+}
 
 impl Alarms<'_> {
     /// Threats and closed zones at a position: every vehicle is held against each, whatever it
@@ -89,12 +118,13 @@ impl Alarms<'_> {
             }
         }
         let stays = Segment::between((t_s, axes(&here)), (t_s + AHEAD_S, axes(&here)));
-        self.meets(t_s, vehicle, &[stays], reach_m)
+        self.meets(t_s, vehicle, &[stays], Timing::Within(reach_m))
             .map(|why| format!("{circle} {why}"))
     }
 
     /// Why a return to launch from here is not verified, in words; none if it is: the climb to
-    /// the altitude of the return, the straight leg home, the descent.
+    /// the altitude of the return, the straight leg, the descent; home, and to each rally point
+    /// that the autopilot may return to instead.
     #[must_use]
     pub fn return_problem(&self, t_s: f64, vehicle: usize) -> Option<String> {
         let of = self.vehicles.get(vehicle)?;
@@ -104,41 +134,131 @@ impl Alarms<'_> {
         let Some(return_amsl) = of.vehicle.return_amsl else {
             return Some("no return_amsl_m is given".to_owned());
         };
-        let level_m = here.point.amsl.0.max(return_amsl.0);
+        let ends = self.return_ends(of, &here, (home.point, return_amsl));
+        let mut ends = ends.iter();
+        ends.find_map(|place| self.return_problem_to(t_s, (vehicle, of), (&here, place)))
+    }
+
+    /// Takes in that a vehicle was ordered to return, or to do something else. How fast it returns is not
+    /// known, so that others stay out of all of its way.
+    pub fn ordered(&mut self, t_s: f64, vehicle: usize, returns: bool) {
+        let way = self
+            .vehicles
+            .get(vehicle)
+            .filter(|_| returns)
+            .and_then(|of| {
+                let (here, home, amsl) = (
+                    of.here?,
+                    of.plan.waypoints.first()?,
+                    of.vehicle.return_amsl?,
+                );
+                let ends = self.return_ends(of, &here, (home.point, amsl));
+                let ways = ends.iter().flat_map(|place| {
+                    let level_m = here.point.amsl.0.max(place.level_amsl.0);
+                    return_way(of, &here, (level_m, place.point), t_s)
+                });
+                Some(ways.collect())
+            });
+        if let Some(of) = self.vehicles.get_mut(vehicle) {
+            of.returns = way.unwrap_or_default();
+        }
+    }
+
+    /// Home, and the rally points that it may return to instead.
+    fn return_ends(
+        &self,
+        of: &Watched<'_>,
+        here: &Here,
+        (home, level_amsl): (PlanPoint, Amsl),
+    ) -> Vec<ReturnPlace> {
+        let home = ReturnPlace {
+            point: home,
+            level_amsl,
+            way: "its way home".to_owned(),
+        };
+        let rally = self.rally_ends(of, here, &home);
+        std::iter::once(home).chain(rally).collect()
+    }
+
+    /// The rally points that the autopilot may return to from here, as `AP_Rally` and the returns of
+    /// PX4 choose them: those that are not much farther than home, and of a wing of `ArduPilot`, which
+    /// does not count home (`RALLY_INCL_HOME`), all within the reach of the parameter.
+    fn rally_ends(&self, of: &Watched<'_>, here: &Here, home: &ReturnPlace) -> Vec<ReturnPlace> {
+        let (frame, terrain) = (&self.world.frame, &self.world.terrain);
+        let is_px4 = of.mission.autopilot == Autopilot::Px4;
+        let reach_m = match (is_px4, of.vehicle.airframe.has_wing()) {
+            (false, true) => RALLY_REACH_M,
+            _ => 0.0,
+        };
+        let home_m = here.point.at.distance_m(home.point.at);
+        let mut ends = Vec::new();
+        for (index, item) in of.mission.rally.iter().enumerate() {
+            let Some(place) = item.place() else { continue };
+            let at = frame.to_plan(place);
+            if here.point.at.distance_m(at) > (home_m + RALLY_FARTHER_M).max(reach_m) {
+                continue;
+            }
+            // Without data the way is refused for that.
+            let amsl = terrain.height(place).unwrap_or(home.point.amsl);
+            // PX4 counts its return altitude from where it returns to.
+            let higher_m = if is_px4 {
+                amsl.0 - home.point.amsl.0
+            } else {
+                0.0
+            };
+            ends.push(ReturnPlace {
+                point: PlanPoint { at, amsl },
+                level_amsl: Amsl(home.level_amsl.0 + higher_m),
+                way: format!(
+                    "its way to rally point {}, which it may return to,",
+                    index + 1
+                ),
+            });
+        }
+        ends
+    }
+
+    fn return_problem_to(
+        &self,
+        t_s: f64,
+        (vehicle, of): (usize, &Watched<'_>),
+        (here, place): (&Here, &ReturnPlace),
+    ) -> Option<String> {
+        let (to, way) = (place.point.at, &place.way);
+        let level_m = here.point.amsl.0.max(place.level_amsl.0);
         // A wing climbs on its way.
         let amsl = Amsl(match of.vehicle.airframe {
             Airframe::Copter => level_m,
-            Airframe::Plane | Airframe::Vtol => here.point.amsl.0.min(return_amsl.0),
+            Airframe::Plane | Airframe::Vtol => here.point.amsl.0.min(place.level_amsl.0),
         });
         if level_m > self.spec.area.max_amsl.0 {
-            return Some("its return is above the ceiling".to_owned());
+            return Some(format!("{way} is above the ceiling"));
         }
-        let (from, to) = (here.point.at, home.point.at);
-        let length_m = from.distance_m(to);
-        let steps = count(length_m / STEP_M);
+        let from = here.point.at;
+        let steps = count(from.distance_m(to) / STEP_M);
         for step in 0..=steps {
             let share = f64::from(step) / f64::from(steps);
             let at = EastNorth {
                 east_m: from.east_m + share * (to.east_m - from.east_m),
                 north_m: from.north_m + share * (to.north_m - from.north_m),
             };
-            // Over its home it comes down.
+            // Over its end it comes down.
             if at.distance_m(to) > COLUMN_M
                 && let Some(why) = self.place_problem(PlanPoint { at, amsl }, t_s)
             {
-                return Some(format!("its way home {why}"));
+                return Some(format!("{way} {why}"));
             }
         }
         let flat = |at: EastNorth| [at.east_m, at.north_m];
         for (disc, id) in self.threats() {
             let away_m = point_segment_distance(flat(disc.center), flat(from), flat(to));
             if away_m < disc.radius_m {
-                return Some(format!("its way home leads into {id}"));
+                return Some(format!("{way} leads into {id}"));
             }
         }
-        let way = return_way(of, &here, (level_m, home.point), t_s);
-        self.meets(t_s, vehicle, &way, 0.0)
-            .map(|why| format!("its way home {why}"))
+        let flown = return_way(of, here, (level_m, place.point), t_s);
+        self.meets(t_s, vehicle, &flown, Timing::About)
+            .map(|why| format!("{way} {why}"))
     }
 
     /// What is wrong with a place on the route.
@@ -166,13 +286,42 @@ impl Alarms<'_> {
         closed.map(|(zone, _)| format!("leads into {}", zone.id))
     }
 
+    /// Where a vehicle rests in the air: how long it stays there is not known.
+    fn rests(&self, t_s: f64, vehicle: usize) -> Option<Segment> {
+        let of = self.vehicles.get(vehicle).filter(|of| of.duty.is_up)?;
+        let here = of.here.filter(|here| here.fix.speed_mps < SLOW_MPS)?;
+        Some(Segment::between(
+            (t_s, axes(&here)),
+            (t_s + AHEAD_S, axes(&here)),
+        ))
+    }
+
     /// The vehicle that a way meets, in words.
-    fn meets(&self, t_s: f64, vehicle: usize, way: &[Segment], wide_m: f64) -> Option<String> {
+    fn meets(&self, t_s: f64, vehicle: usize, way: &[Segment], timing: Timing) -> Option<String> {
         let mut limit = self.spec.separation;
+        let lasts_s = way.last().map_or(0.0, |last| last.t1_s - t_s);
+        let (wide_m, apart_s) = match timing {
+            Timing::Within(wide_m) => (wide_m, 0.0),
+            Timing::About => (0.0, OFF_S + OFF_SHARE * lasts_s),
+        };
         limit.distance_m += wide_m;
         (0..self.vehicles.len()).find_map(|other| {
+            let returns = &self.vehicles[other].returns;
+            if other != vehicle
+                && !returns.is_empty()
+                && let Some((away_m, _)) = nearest(way, returns, &limit, EVER_S)
+                && away_m < limit.distance_m
+            {
+                let id = &self.vehicles[other].vehicle.id;
+                let left_m = (away_m - wide_m).max(0.0);
+                return Some(format!(
+                    "comes within {left_m:.0} m of the way on which {id} returns"
+                ));
+            }
             let future = (other != vehicle).then(|| self.future(t_s, other))??;
-            let (away_m, at_s) = nearest(way, &future.segments, &limit)?;
+            let mut segments = future.segments;
+            segments.extend(self.rests(t_s, other));
+            let (away_m, at_s) = nearest(way, &segments, &limit, apart_s)?;
             let id = &self.vehicles[other].vehicle.id;
             (away_m < limit.distance_m).then(|| {
                 let left_m = (away_m - wide_m).max(0.0);

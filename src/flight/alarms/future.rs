@@ -17,7 +17,7 @@ const AHEAD_S: f64 = 15.0;
 /// A vehicle that holds or circles stays for this long, seconds.
 const STAYS_S: f64 = 600.0;
 /// Slower than this it stays, m/s.
-const SLOW_MPS: f64 = 1.5;
+pub(super) const SLOW_MPS: f64 = 1.5;
 /// Error of a shift of one vehicle against another, seconds.
 const SHIFT_ERROR_S: f64 = 3.0;
 
@@ -157,7 +157,7 @@ impl Alarms<'_> {
             }
         }
         let limit = self.distance_limit();
-        let (value, at_s) = nearest(&a.segments, &b.segments, &limit)?;
+        let (value, at_s) = nearest(&a.segments, &b.segments, &limit, 0.0)?;
         if value >= limit.distance_m || at_s < t_s {
             return None;
         }
@@ -195,18 +195,23 @@ fn straight_on((t_s, at_m): (f64, [f64; 3]), velocity_mps: [f64; 3]) -> Future {
     }
 }
 
-/// The least distance of two at the same time, and when; with a vertical limit that of where
-/// they are nearest by both.
-pub(super) fn nearest(a: &[Segment], b: &[Segment], limit: &Separation) -> Option<(f64, f64)> {
+/// The least distance of two at times no further apart than `apart_s`, and when; with a vertical limit
+/// that of where they are nearest by both.
+pub(super) fn nearest(
+    a: &[Segment],
+    b: &[Segment],
+    limit: &Separation,
+    apart_s: f64,
+) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     for one in a {
         let together = b
             .iter()
-            .filter(|two| two.t0_s <= one.t1_s && two.t1_s >= one.t0_s);
+            .filter(|two| two.t0_s <= one.t1_s + apart_s && two.t1_s >= one.t0_s - apart_s);
         for two in together {
             let found = match limit.vertical_m {
-                None => closest_approach(one, two, 0.0).map(|near| (near.value, near.t_s)),
-                Some(vertical_m) => least_ratio(one, two, 0.0, limit.distance_m, vertical_m)
+                None => closest_approach(one, two, apart_s).map(|near| (near.value, near.t_s)),
+                Some(vertical_m) => least_ratio(one, two, apart_s, limit.distance_m, vertical_m)
                     .map(|near| (near.value * limit.distance_m, near.t_s)),
             };
             if let Some(found) = found.filter(|of| best.is_none_or(|least| of.0 < least.0)) {

@@ -20,13 +20,14 @@ use super::record::{Fix, Plan};
 use crate::geodesy::PlanPoint;
 use crate::link::{Address, Message, Position};
 use crate::mission::VehicleMission;
+use crate::numeric::approach::Segment;
 use crate::spec::{AlarmKind, MissionSpec, Threat, Vehicle};
 use crate::world::{Disc, World};
 use breach::Breaches;
 use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
-use tube::TubeWatch;
+use tube::{LATE_ERROR_S, TubeWatch, assumed_late_s};
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
 const OVER_S: f64 = 3.0;
@@ -93,6 +94,8 @@ struct Watched<'a> {
     tube: TubeWatch,
     /// The last position.
     here: Option<Here>,
+    /// Where it may fly on an ordered return, whenever it does.
+    returns: Vec<Segment>,
     /// Time since the last position in which somebody listened, seconds of flight.
     silent_s: f64,
 }
@@ -160,6 +163,7 @@ impl<'a> Alarms<'a> {
             health: HealthState::of(of.vehicle),
             motion: Motion::default(),
             here: None,
+            returns: Vec::new(),
             silent_s: 0.0,
         };
         Self {
@@ -187,6 +191,9 @@ impl<'a> Alarms<'a> {
         if let Some(of) = self.vehicles.get_mut(vehicle) {
             if duty.flies && !of.duty.flies {
                 of.silent_s = 0.0;
+            }
+            if !duty.is_ordered && of.duty.is_ordered || duty.is_over {
+                of.returns.clear();
             }
             of.duty = duty;
         }
@@ -239,10 +246,14 @@ impl<'a> Alarms<'a> {
         };
         of.silent_s = 0.0;
         of.here = Some(here);
-        let is_due = of.duty.flies && of.duty.is_up;
-        let moves = is_due && of.is_on_plan() && of.tube.should_move(&of.plan, &here);
+        let is_up = of.duty.flies && of.duty.is_up;
+        let was_frozen =
+            self.standing
+                .contains_key(&(AlarmKind::Position, vehicle, None, "frozen"));
+        let is_due = is_up || was_frozen;
+        let moves = is_up && of.is_on_plan() && of.tube.should_move(&of.plan, &here);
         let (frozen, jumped) = of.motion.take(&here, position, moves);
-        let (frozen, jumped) = (frozen.filter(|_| is_due), jumped.filter(|_| is_due));
+        let (frozen, jumped) = (frozen.filter(|_| is_due), jumped.filter(|_| is_up));
         self.set(
             fix.t_s,
             (AlarmKind::Position, vehicle, None, "frozen"),
@@ -270,15 +281,33 @@ impl<'a> Alarms<'a> {
             of.silent_s += listened_s;
             let duty = of.duty;
             let silent_s = of.silent_s;
-            let is_stale = duty.flies && silent_s > stale_s;
+            let key = (AlarmKind::Position, index, None, "stale");
+            // It is not over as long as nothing comes, though the flight is given up.
+            let is_due = duty.flies || self.standing.contains_key(&key);
+            let is_stale = is_due && silent_s > stale_s;
             let stale = is_stale.then(|| format!("no position for {silent_s:.1} s"));
-            self.set(t_s, (AlarmKind::Position, index, None, "stale"), stale);
+            self.set(t_s, key, stale);
+            let grounded = self.vehicles[index].grounded(t_s, self.spec.separation.time_slack_s);
+            self.set(t_s, (AlarmKind::Late, index, None, "takeoff"), grounded);
             self.look_at_health(t_s, index);
         }
         if t_s - self.future_s >= FUTURE_S {
             self.future_s = t_s;
             self.look_ahead(t_s);
         }
+    }
+
+    /// A vehicle left what it was ordered to do, and flies its mission again.
+    pub(super) fn taken_back(&mut self, t_s: f64, vehicle: usize, verb: &str) {
+        let Some(of) = self.vehicles.get(vehicle) else {
+            return;
+        };
+        let by = of
+            .onboard
+            .why_in_mission()
+            .unwrap_or("nothing heard says by whom");
+        let text = format!("is on its mission again, although it was ordered to {verb}: {by}");
+        self.push(t_s, (AlarmKind::Mode, vehicle, None, ""), true, text);
     }
 
     /// The alarms of a vehicle that stand.
@@ -328,7 +357,7 @@ impl<'a> Alarms<'a> {
         let fence = health.fence().filter(|_| is_up);
         let gps = health.gps().filter(|_| is_up);
         let mission = of.onboard.mission(t_s).filter(|_| flies);
-        let mode = of.onboard.mode(of.mission);
+        let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
         for (kind, cause, text) in [
             (AlarmKind::Battery, "", battery),
@@ -387,15 +416,37 @@ impl<'a> Alarms<'a> {
 }
 
 impl Watched<'_> {
+    /// What is said of a vehicle that has not taken off by when the verdict assumes it on its way at
+    /// the latest.
+    fn grounded(&mut self, t_s: f64, slack_s: f64) -> Option<String> {
+        let is_due = self.duty.flies && !self.duty.is_up && !self.duty.is_ordered;
+        let departs_s = self.plan.waypoints.first().filter(|_| is_due)?.t_s;
+        let here = self.here;
+        let (item, slip_s) = here.map_or((0, 0.0), |here| {
+            (here.fix.item, self.tube.slip_s(&here.fix))
+        });
+        let most_s = assumed_late_s(self, item) + slack_s + LATE_ERROR_S;
+        let late_s = t_s - departs_s - slip_s;
+        (late_s > most_s).then(|| {
+            format!(
+                "has not taken off {late_s:.0} s after its departure (the verdict assumed at most {most_s:.0} s)"
+            )
+        })
+    }
+
     /// Whether it flies its mission, as far as its heartbeat shows.
     fn is_on_plan(&self) -> bool {
         self.duty.flies && !self.duty.is_ordered && self.onboard.flies_mission(self.mission)
     }
 
+    /// When its mission is started, seconds after T0.
+    fn starts_s(&self) -> f64 {
+        self.plan.waypoints.first().map_or(0.0, |home| home.t_s)
+    }
+
     /// Whether it is known to fly something else: a heartbeat from before its start does not show that.
     fn has_left_plan(&self, t_s: f64) -> bool {
-        let starts_s = self.plan.waypoints.first().map_or(0.0, |home| home.t_s);
-        let is_shown = self.onboard.was_in_mission() || t_s - starts_s > BEATS_S;
+        let is_shown = self.onboard.was_in_mission() || t_s - self.starts_s() > BEATS_S;
         self.duty.is_ordered || is_shown && !self.is_on_plan()
     }
 }

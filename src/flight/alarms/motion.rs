@@ -20,6 +20,8 @@ pub(super) struct Motion {
     last: Option<Here>,
     /// The place and altitude as they were sent, and since when they have not changed.
     still: Option<([i32; 3], f64)>,
+    /// Whether it was frozen, and has not changed since.
+    is_frozen: bool,
 }
 
 impl Motion {
@@ -39,7 +41,10 @@ impl Motion {
         };
         self.still = Some((sent, since_s));
         let (still_s, speed_mps) = (t_s - since_s, here.fix.speed_mps);
-        let is_frozen = still_s >= FROZEN_S && (speed_mps > MOVES_MPS || moves);
+        // What is frozen is so until it changes, whether the vehicle should still move or not.
+        let moves = speed_mps > MOVES_MPS || moves || self.is_frozen;
+        let is_frozen = still_s >= FROZEN_S && moves;
+        self.is_frozen = is_frozen;
         let frozen = is_frozen.then(|| {
             format!("position frozen for {still_s:.1} s at a speed of {speed_mps:.1} m/s")
         });

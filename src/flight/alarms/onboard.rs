@@ -32,6 +32,8 @@ pub(super) struct Onboard {
     cause: Option<(String, f64)>,
     /// The same for the present mode.
     why: Option<String>,
+    /// And for its return to its mission.
+    why_in_mission: Option<String>,
 }
 
 impl Onboard {
@@ -47,6 +49,7 @@ impl Onboard {
             was_in_mission: false,
             cause: None,
             why: None,
+            why_in_mission: None,
         }
     }
 
@@ -100,6 +103,11 @@ impl Onboard {
         self.was_in_mission |= is_in_mission;
         if is_in_mission {
             self.why = None;
+            if is_new {
+                let heard = self.cause.take();
+                let cause = heard.filter(|(_, at_s)| t_s - at_s <= EXPLAINS_S);
+                self.why_in_mission = cause.map(|(why, _)| why);
+            }
         } else if is_new {
             let heard = self.cause.take();
             let cause = heard.filter(|(_, at_s)| t_s - at_s <= EXPLAINS_S);
@@ -151,6 +159,11 @@ impl Onboard {
         differs.map(|(what, _)| what.clone())
     }
 
+    /// Who sent it on its mission, if that was heard.
+    pub(super) fn why_in_mission(&self) -> Option<&str> {
+        self.why_in_mission.as_deref()
+    }
+
     /// Whether a heartbeat showed that it flew its mission.
     pub(super) fn was_in_mission(&self) -> bool {
         self.was_in_mission
@@ -163,8 +176,9 @@ impl Onboard {
     }
 
     /// The mode that it is in, if it is not the one of its mission any more.
-    pub(super) fn mode(&self, mission: &VehicleMission) -> Option<String> {
-        let beat = self.beat.filter(|_| self.was_in_mission)?;
+    /// `is_due` says that it must be in it by now, whether that was seen or not.
+    pub(super) fn mode(&self, mission: &VehicleMission, is_due: bool) -> Option<String> {
+        let beat = self.beat.filter(|_| self.was_in_mission || is_due)?;
         let why = self.why.as_ref()?;
         let name = modes::name(mission, beat.custom_mode);
         Some(format!("left its mission for {name}: {why}"))

@@ -13,7 +13,7 @@ use crate::path::stop_late_s;
 use crate::spec::{Airframe, AlarmKind, Vehicle};
 
 /// Error of lateness, seconds: positions are off, and plans linear between waypoints.
-const LATE_ERROR_S: f64 = 3.0;
+pub(super) const LATE_ERROR_S: f64 = 3.0;
 /// Legs this much farther than the nearest may be the one that is flown, metres.
 const ALIKE_M: f64 = 10.0;
 /// A vehicle that is nearer than this to a waypoint may stand still, metres.
@@ -67,7 +67,7 @@ impl TubeWatch {
 
     /// By how much its own clock has slipped behind that of the fleet since its first position,
     /// seconds: a simulated vehicle does so where the machine stalls, and is not late on its way.
-    fn slip_s(&mut self, fix: &Fix) -> f64 {
+    pub(super) fn slip_s(&mut self, fix: &Fix) -> f64 {
         let first = self.first.get_or_insert(*fix);
         first.slip_s(fix)
     }

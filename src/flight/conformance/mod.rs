@@ -335,9 +335,23 @@ impl<'a> FlownTrack<'a> {
             cross_track_m: spread(|deviation| deviation.cross_track_m),
             altitude_error_m: spread(|deviation| deviation.above_m.abs()),
             passages: self.parts().flat_map(|part| self.passages(&part)).collect(),
+            overdue_s: self.overdue_s(),
             stops: self.stops(),
             served: Progress::recorded(self.flight, self.airframe).served(),
         }
+    }
+
+    /// How late it was, at least, for the first waypoint that it did not pass.
+    fn overdue_s(&self) -> Option<f64> {
+        if self.ends_as_planned() || self.leaves_as_ordered() {
+            return None;
+        }
+        let (part, last) = (self.parts().last()?, self.fixes().last()?);
+        let passages = self.passages(&part);
+        let mut ahead = part.plan.waypoints.iter().skip(part.ahead);
+        let next = ahead.find(|next| !passages.iter().any(|passed| passed.item == next.item))?;
+        let late_s = last.t_s - next.t_s;
+        (late_s > 0.0).then_some(late_s)
     }
 
     /// How near it came to each of its stops, and when.

@@ -97,6 +97,17 @@ impl FlownTrack<'_> {
         }
     }
 
+    /// Whether it was ordered to hold, to land or to return: it leaves its path, and does not end as planned.
+    pub(super) fn leaves_as_ordered(&self) -> bool {
+        let left = [
+            End::Held,
+            End::StoppedAfterHold,
+            End::LandedEarly,
+            End::Returned,
+        ];
+        left.contains(&self.flight.flown.end)
+    }
+
     /// What the positions must show of a flight besides the limits of the spec; `ends_s` is when
     /// the planned flight of the fleet ends, `off_s` what clocks may be off.
     pub(crate) fn proof(
@@ -112,14 +123,7 @@ impl FlownTrack<'_> {
         let end = &self.flight.flown.end;
         let mut margins: Vec<Margin> = self.beginning(vehicle, world).into_iter().collect();
         margins.extend(self.leaps(vehicle, off_s));
-        // A vehicle that is ordered to hold or to land leaves its path, and does not end as planned.
-        let left = [
-            End::Held,
-            End::StoppedAfterHold,
-            End::LandedEarly,
-            End::Returned,
-        ];
-        if !left.contains(end) {
+        if !self.leaves_as_ordered() {
             margins.extend(self.off_the_way(spec, tube));
         }
         if matches!(end, End::Landed | End::Loitering) {
@@ -239,7 +243,13 @@ impl FlownTrack<'_> {
                     Some(passage) if passage.distance_m <= limit_m => {}
                     Some(passage) => {
                         let (item, away_m) = (waypoint.item, passage.distance_m);
-                        missed.push((waypoint, format!("item {item} passed {away_m:.0} m away")));
+                        let why = match self.gap_at(passage.flown_s) {
+                            Some((from_s, to_s)) => format!(
+                                "item {item} not seen: nothing was recorded from {from_s:.0} to {to_s:.0} s"
+                            ),
+                            None => format!("item {item} passed {away_m:.0} m away"),
+                        };
+                        missed.push((waypoint, why));
                     }
                     None => missed.push((waypoint, format!("item {} not reached", waypoint.item))),
                 }
@@ -262,6 +272,15 @@ impl FlownTrack<'_> {
             note: first.map_or_else(String::new, |(_, why)| why),
             ..required.margin(self.id(), f64::from(count), at)
         }
+    }
+
+    /// The time without positions that a time lies in, seconds after T0.
+    fn gap_at(&self, t_s: f64) -> Option<(f64, f64)> {
+        let mut pairs = self
+            .fixes()
+            .windows(2)
+            .map(|pair| (pair[0].t_s, pair[1].t_s));
+        pairs.find(|(from_s, to_s)| to_s - from_s > GAP_S && (*from_s..=*to_s).contains(&t_s))
     }
 
     /// The waypoints that had to be passed while a plan was flown: all that were ahead, of a plan

@@ -29,6 +29,9 @@ pub struct VehicleReport {
     pub altitude_error_m: Option<Spread>,
     /// When it passed its waypoints.
     pub passages: Vec<Passage>,
+    /// Of a flight that did not end as planned: how late it was at least for the first waypoint that
+    /// it did not pass, seconds.
+    pub overdue_s: Option<f64>,
     /// When it was at its stops, in the order of the spec.
     pub stops: Vec<MadeStop>,
     /// What was seen of its stops and tasks, in the order in which they begin.
@@ -94,6 +97,14 @@ impl Spread {
             p95: at(95)?,
             worst: at(100)?,
         })
+    }
+}
+
+impl VehicleReport {
+    /// By how much it was later than planned at each waypoint, seconds; negative earlier.
+    pub fn late_s(&self) -> impl Iterator<Item = f64> {
+        let passed = self.passages.iter().map(Passage::late_s);
+        passed.chain(self.overdue_s)
     }
 }
 

@@ -108,6 +108,8 @@ pub struct Fleet<'a> {
     /// The times that this program was stopped for, seconds after T0.
     stops: VecDeque<(f64, f64)>,
     us: Address,
+    /// What was wrong with the links, and of whom.
+    troubles: Vec<(Option<String>, String)>,
     alarms: Option<Alarms<'a>>,
     /// Orders that wait until their way is clear.
     waiting: Vec<answer::Waiting>,
@@ -140,6 +142,7 @@ impl<'a> Fleet<'a> {
             refusals: Vec::new(),
             last: now,
             stops: VecDeque::new(),
+            troubles: Vec::new(),
             us,
             alarms: None,
             waiting: Vec::new(),
@@ -177,7 +180,12 @@ impl<'a> Fleet<'a> {
             let who = vehicle.clone().unwrap_or_default();
             self.abandon(now, vec![(who, what.to_owned())]);
         }
-        self.say(now, vehicle, what.to_owned());
+        // What goes on is said once: it would hide all else.
+        let trouble = (vehicle, what.to_owned());
+        if !self.troubles.contains(&trouble) {
+            self.troubles.push(trouble.clone());
+            self.say(now, trouble.0, trouble.1);
+        }
     }
 
     /// Does what is due.
@@ -279,7 +287,9 @@ impl<'a> Fleet<'a> {
             if matches!(vehicle.stage, Stage::Armed) {
                 vehicle.disarm(None);
             }
-            vehicle.instruct(instruction);
+            if !vehicle.stays_on_ground(instruction) {
+                vehicle.instruct(instruction);
+            }
         }
         for (vehicle, why) in self.circles_not_clear(now, instruction) {
             let text = format!("is ordered to hold although {why}");
@@ -344,7 +354,7 @@ impl<'a> Fleet<'a> {
             for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
                 if !matches!(vehicle.stage, Stage::Ended | Stage::Disarming(_)) {
                     let why = format!("has not ended its flight {t_s:.0} s after T0");
-                    vehicle.watch_no_more(End::Failed(why), *is_lost);
+                    vehicle.give_up(why, *is_lost);
                 }
             }
         }

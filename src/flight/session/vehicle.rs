@@ -5,6 +5,7 @@ mod checks;
 mod ending;
 mod hold;
 mod messages;
+mod obeying;
 mod orders;
 mod rejoin;
 mod texts;
@@ -27,6 +28,7 @@ use crate::link::{
 use crate::mission::{Home, VehicleMission};
 pub(super) use arming::ARMING_MS;
 use arming::{Arming, Disarming, SeenDisarmed};
+use ending::Motors;
 use hold::HoldWatch;
 use texts::TextLimit;
 
@@ -155,6 +157,8 @@ pub(crate) struct FlightVehicle<'a> {
     /// Items on board without home, as the vehicle says.
     total: Option<usize>,
     airborne: bool,
+    /// Heartbeats in a row that show its motors to stand, and to run, while it flies or after that.
+    motors: Motors,
     pub(crate) instruction: Option<Instruction>,
     /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
@@ -162,6 +166,8 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) in_mission: bool,
     /// Whether an event has reported that it left its mission.
     left: bool,
+    /// What it was ordered to do when it went on with its mission by itself, or by somebody else's order.
+    pub(crate) taken_back: Option<Instruction>,
     orbit: Orbit,
     pub(crate) flown: Flown,
     outbox: VecDeque<Message>,
@@ -236,11 +242,13 @@ impl<'a> FlightVehicle<'a> {
             texts: TextLimit::default(),
             total: None,
             airborne: false,
+            motors: Motors::default(),
             instruction: None,
             holds: false,
             hold: HoldWatch::default(),
             in_mission: false,
             left: false,
+            taken_back: None,
             orbit: Orbit::default(),
             flown: Flown::default(),
             outbox: VecDeque::new(),

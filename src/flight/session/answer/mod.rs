@@ -90,7 +90,8 @@ impl<'a> Fleet<'a> {
             return;
         };
         let Some(mut alarms) = self.alarms.take() else {
-            return;
+            let vehicles = self.vehicles.iter_mut();
+            return vehicles.for_each(|vehicle| vehicle.say_taken_back());
         };
         for (index, vehicle) in self.vehicles.iter().enumerate() {
             let duty = Duty {
@@ -102,6 +103,11 @@ impl<'a> Fleet<'a> {
             alarms.note(index, duty);
         }
         alarms.look(t_s);
+        for (index, vehicle) in self.vehicles.iter_mut().enumerate() {
+            if let Some(instruction) = vehicle.taken_back.take() {
+                alarms.taken_back(t_s, index, instruction.verb());
+            }
+        }
         let raised: Vec<Alarm> = std::iter::from_fn(|| alarms.poll()).collect();
         self.alarms = Some(alarms);
         for alarm in raised {
@@ -183,6 +189,11 @@ impl<'a> Fleet<'a> {
         if matches!(vehicle.stage, Stage::Armed) {
             return vehicle.disarm(None);
         }
+        if vehicle.stays_on_ground(instruction) {
+            let text = format!("on_alarm {}: stays on the ground", waiting.kind);
+            let id = vehicle.of.vehicle.to_owned();
+            return self.say(now, Some(id), text);
+        }
         let is_obeying = vehicle.instruction.is_some_and(|of| of >= instruction);
         if is_obeying || !matches!(vehicle.stage, Stage::Flying | Stage::Starting) {
             return;
@@ -197,6 +208,9 @@ impl<'a> Fleet<'a> {
         let Some(why) = problem else {
             let text = format!("on_alarm {kind}: is ordered to {verb}");
             self.say(now, Some(id), text);
+            if let Some(alarms) = &mut self.alarms {
+                alarms.ordered(t_s, index, instruction == Instruction::Return);
+            }
             return self.vehicles[index].instruct(instruction);
         };
         if is_first {

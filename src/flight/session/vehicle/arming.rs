@@ -1,7 +1,7 @@
 //! The motors of a vehicle on the ground. They run, or stand, when the heartbeat shows it: an
 //! answer to a command only says that the command was taken.
 
-use super::{FlightVehicle, Stage};
+use super::{FlightVehicle, Instruction, Stage};
 use crate::autopilot::{Autopilot, parameter};
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
@@ -15,9 +15,11 @@ const DISARMING_MS: u64 = 20_000;
 /// Between two tries, milliseconds.
 const AGAIN_MS: u64 = 1000;
 /// A heartbeat may have been under way when the command was answered: this many in a row count.
-const BEATS: u8 = 2;
+pub(super) const BEATS: u8 = 2;
 /// A heartbeat is fresh for this long, milliseconds.
 const FRESH_MS: f64 = 2000.0;
+/// A clock that goes back by more was started again, milliseconds.
+const RESTART_MS: u32 = 1000;
 /// Texts that are remembered while it is armed, at most.
 const MAX_WARNINGS: usize = 5;
 
@@ -48,6 +50,8 @@ pub(crate) struct Disarming {
     refusal: Option<String>,
     /// How its flight ends then; none where it was not to fly.
     end: Option<End>,
+    /// What it is ordered to do if it takes off all the same.
+    pub(super) if_airborne: Option<Instruction>,
 }
 
 /// When a vehicle was last seen disarmed: on the fleet's clock, and by its own, milliseconds.
@@ -120,6 +124,19 @@ impl FlightVehicle<'_> {
         }
     }
 
+    /// A vehicle whose clock goes back was started again: what was read of it before does not count.
+    pub(super) fn heed_restart(&mut self, boot_ms: u32) {
+        let goes_back = |(before_ms, _): (u32, f64)| boot_ms.saturating_add(RESTART_MS) < before_ms;
+        let is_checked = matches!(
+            self.stage,
+            Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed
+        );
+        if is_checked && self.own_clock.is_some_and(goes_back) {
+            let why = "was started again after its mission was read: begin anew";
+            self.stage = Stage::Refused(vec![why.to_owned()]);
+        }
+    }
+
     /// Its own clock at a time on the fleet's, milliseconds.
     fn own_ms(&self, flight_ms: f64) -> Option<f64> {
         let (boot_ms, heard_ms) = self.own_clock?;
@@ -185,6 +202,7 @@ impl FlightVehicle<'_> {
             unarmed: 0,
             refusal: None,
             end,
+            if_airborne: None,
         });
         self.command([modes::disarm()]);
     }
@@ -243,11 +261,20 @@ impl FlightVehicle<'_> {
 
     /// It is in the air: one that refused its start flies all the same.
     pub(super) fn heed_takeoff(&mut self) {
-        if let Stage::Disarming(Disarming { end: Some(end), .. }) = &self.stage {
+        if let Stage::Disarming(Disarming {
+            end: Some(end),
+            if_airborne,
+            ..
+        }) = &self.stage
+        {
+            let instruction = *if_airborne;
             let text = format!("{}, and flies all the same", end.sentence());
             self.said.push_back(text);
             self.stage = Stage::Flying;
             self.command([]);
+            if let Some(instruction) = instruction {
+                self.instruct(instruction);
+            }
         }
     }
 

@@ -1,13 +1,79 @@
 //! How a flight comes to its end: on the ground, or where it stays in the air.
 
-use super::{FlightVehicle, Instruction, Stage};
+use super::arming::BEATS;
+use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 use crate::flight::session::orbit::Orbit;
 
+/// Heartbeats in a row: one alone may be of another component, or wrong.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Motors {
+    stand: u8,
+    run: u8,
+    /// Whether its flight ended because they stood.
+    ended: bool,
+}
+
 impl FlightVehicle<'_> {
+    /// Whether heartbeats show that its motors stand.
+    pub(super) fn has_stopped(&mut self, is_armed: bool) -> bool {
+        let (stand, run) = (self.motors.stand, self.motors.run);
+        (self.motors.stand, self.motors.run) = match is_armed {
+            true => (0, run.saturating_add(1)),
+            false => (stand.saturating_add(1), 0),
+        };
+        self.motors.stand >= BEATS
+    }
+
+    /// It stopped its motors: how its flight ended.
+    pub(super) fn stopped(&mut self, custom_mode: u32) {
+        let end = match (self.airborne, self.instruction) {
+            (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
+            (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => End::StoppedAfterHold,
+            (true, Some(Instruction::Land))
+                if self.hold.was_in_mode() || modes::is_land(self.of.mission, custom_mode) =>
+            {
+                match self.hold.is_of_others {
+                    true => self.landing(),
+                    false => End::LandedEarly,
+                }
+            }
+            (true, Some(Instruction::Return)) if self.hold.was_in_mode() => self.returned(),
+            (true, _) => self.landing(),
+        };
+        self.end(end);
+        self.motors.ended = true;
+    }
+
+    /// Its motors were seen to stand, and it flies: it is watched again.
+    pub(super) fn flies_on(&mut self) {
+        let home_m = f64::from(self.of.mission.home.amsl_m);
+        let is_up = |(_, fix): (f64, Fix)| fix.amsl.0 - home_m > AIRBORNE_M;
+        if !self.motors.ended || self.motors.run < BEATS || !self.latest.is_some_and(is_up) {
+            return;
+        }
+        self.said
+            .push_back("its motors run, and it is in the air: it is watched again".to_owned());
+        self.motors = Motors::default();
+        (self.flown.end, self.flown.until_s) = (End::default(), None);
+        self.airborne = true;
+        self.stage = Stage::Flying;
+    }
+
+    /// Its time is over: in the air it is left to itself, on the ground its motors are stopped.
+    pub(in crate::flight) fn give_up(&mut self, why: String, is_lost: bool) {
+        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let was_started = matches!(self.stage, Stage::Armed | Stage::Starting | Stage::Flying);
+        if was_started && is_armed && !self.airborne {
+            let why = format!("{why}, and has not taken off");
+            return self.disarm(Some(End::Failed(why)));
+        }
+        self.watch_no_more(End::Failed(why), is_lost);
+    }
+
     /// It stopped its motors by itself: where it should, or elsewhere.
     pub(crate) fn landing(&self) -> End {
         let reference = &self.of.reference;
@@ -66,7 +132,7 @@ impl FlightVehicle<'_> {
         match self.instruction {
             Some(Instruction::Hold) => return self.check_hold(t_s, fix),
             Some(Instruction::Land | Instruction::Return) => {
-                return self.check_landing_or_return(t_s);
+                return self.check_landing_or_return(t_s, fix);
             }
             None => {}
         }

@@ -2,6 +2,7 @@
 //! in the mode with its mean position at rest (`arrival.rs`), a wing must fly one full circle in
 //! the mode (`orbit.rs`).
 
+use super::obeying::Headway;
 use super::{FlightVehicle, Instruction};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival::{self, Mean, REST_S};
@@ -17,6 +18,12 @@ const CIRCLE_S: f64 = 120.0;
 /// A copter that is farther than this from where it held has left it, metres.
 const LEFT_M: f64 = 10.0;
 
+/// A wing is at most so much wider than its circle in wind; the radius where it is not known, metres.
+const WIDE_CIRCLE: f64 = 1.5;
+const CIRCLE_M: f64 = 150.0;
+/// A copter that has left its hold holds again when it has moved less than this for [`CONFIRM_S`], metres.
+const DRIFTED_M: f64 = 4.0;
+
 /// What is known of an ordered hold, or of a landing: then the mode alone counts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HoldWatch {
@@ -29,6 +36,12 @@ pub(super) struct HoldWatch {
     is_reported: bool,
     /// Where it held first.
     anchor: Option<Mean>,
+    /// Since when it has been near the anchor again, after it had left it, seconds after T0.
+    left_s: Option<f64>,
+    /// Whether it did so when its flight was taken over: who ordered it is not known.
+    pub(super) is_of_others: bool,
+    /// How far a landing or a return has got.
+    pub(super) headway: Option<Headway>,
     /// The last answer that was reported.
     answer: Option<String>,
 }
@@ -62,17 +75,19 @@ impl FlightVehicle<'_> {
                 .map(|(at, anchor)| at.distance_m(anchor));
             let why = match moved_m {
                 _ if !in_mode => "its mode is another one".to_owned(),
-                Some(moved_m) if moved_m > LEFT_M => format!("it has moved {moved_m:.0} m"),
+                Some(moved_m) if moved_m > self.left_m() => format!("it has moved {moved_m:.0} m"),
                 _ => return,
             };
             self.holds = false;
+            self.hold.left_s = Some(fix.t_s);
+            self.hold.anchor = rest.or(self.hold.anchor);
             let text = format!("does not hold any more: {why}");
             return self.said.push_back(text);
         }
         self.holds = if self.of.mission.airframe.has_wing() {
             self.has_circled(fix, in_mode)
         } else {
-            in_mode && rest.is_some_and(|rest| rest.is_still)
+            in_mode && rest.is_some_and(|rest| rest.is_still && self.stays_again(rest, fix.t_s))
         };
         if self.holds {
             self.hold.anchor = rest;
@@ -80,6 +95,30 @@ impl FlightVehicle<'_> {
         }
         self.order_again(in_mode, modes::hold(self.of.mission));
         self.report_missing_hold(t_s, in_mode);
+    }
+
+    /// How far from where it held first it has left it, metres: a wing is on its circle anywhere.
+    fn left_m(&self) -> f64 {
+        let mission = self.of.mission;
+        if !mission.airframe.has_wing() {
+            return LEFT_M;
+        }
+        let radius = ["WP_LOITER_RAD", "NAV_LOITER_RAD"];
+        let radius_m = radius.iter().find_map(|name| mission.param_si(name));
+        WIDE_CIRCLE * 2.0 * radius_m.map_or(CIRCLE_M, f64::abs).max(LEFT_M)
+    }
+
+    /// Whether one that has moved out of its hold has been at one place for long: a slow drift is none.
+    fn stays_again(&mut self, rest: Mean, t_s: f64) -> bool {
+        let Some(left_s) = self.hold.left_s else {
+            return true;
+        };
+        let moved_m = (self.hold.anchor).map_or(f64::INFINITY, |anchor| rest.distance_m(anchor));
+        if moved_m > DRIFTED_M {
+            (self.hold.left_s, self.hold.anchor) = (Some(t_s), Some(rest));
+            return false;
+        }
+        t_s - left_s >= CONFIRM_S
     }
 
     /// The mean of its last positions, once it is in the mode of the hold for long enough.
@@ -123,7 +162,7 @@ impl FlightVehicle<'_> {
     }
 
     /// Whether its mode shows that it lands, or returns, as ordered: until then the order is repeated.
-    pub(super) fn check_landing_or_return(&mut self, t_s: f64) {
+    pub(super) fn check_landing_or_return(&mut self, t_s: f64, fix: Fix) {
         let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
         let mission = self.of.mission;
         let lands = mode.is_some_and(|mode| modes::is_land(mission, mode));
@@ -141,6 +180,7 @@ impl FlightVehicle<'_> {
         if let Some(order) = order {
             self.order_again(in_mode, order);
         }
+        self.check_headway(fix, in_mode);
         let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
         if self.hold.was_in_mode || self.hold.is_reported || since_s < CONFIRM_S {
             return;

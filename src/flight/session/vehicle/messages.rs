@@ -1,10 +1,9 @@
 //! What a vehicle says: heartbeats, positions, items, texts.
 
-use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
+use super::{AIRBORNE_M, FlightVehicle, Stage};
 use crate::autopilot::Version;
 use crate::flight::record::Fix;
 use crate::flight::session::command::pending::is_for;
-use crate::flight::session::end::End;
 use crate::flight::session::modes;
 use crate::link::{
     AUTOPILOT_INVALID, Address, FlightMessage, Health, Heartbeat, Message, Position, Time,
@@ -172,6 +171,9 @@ impl FlightVehicle<'_> {
         if !position.is_known() {
             return self.note_invalid(position);
         }
+        if t0_ms.is_none() {
+            self.heed_restart(position.boot_ms);
+        }
         self.own_clock = Some((position.boot_ms, flight_ms));
         let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
         let fix = Fix {
@@ -211,24 +213,10 @@ impl FlightVehicle<'_> {
     fn heartbeat(&mut self, beat: Heartbeat) {
         let was = self.in_mission;
         self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
+        let has_stopped = self.has_stopped(beat.is_armed());
         match self.stage {
-            Stage::Flying if !beat.is_armed() => {
-                let end = match (self.airborne, self.instruction) {
-                    (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
-                    (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => {
-                        End::StoppedAfterHold
-                    }
-                    (true, Some(Instruction::Land))
-                        if self.hold.was_in_mode()
-                            || modes::is_land(self.of.mission, beat.custom_mode) =>
-                    {
-                        End::LandedEarly
-                    }
-                    (true, Some(Instruction::Return)) if self.hold.was_in_mode() => self.returned(),
-                    (true, _) => self.landing(),
-                };
-                self.end(end);
-            }
+            Stage::Flying if has_stopped => self.stopped(beat.custom_mode),
+            Stage::Ended if beat.is_armed() => self.flies_on(),
             Stage::Flying if was && !self.in_mission && self.instruction.is_none() => {
                 // The alarm says by whom.
                 self.left = true;
@@ -237,9 +225,12 @@ impl FlightVehicle<'_> {
                 if !was && self.in_mission && (self.left || self.instruction.is_some()) =>
             {
                 self.left = false;
-                self.said.push_back("is on its mission again".to_owned());
                 if self.is_taken_back() {
-                    (self.instruction, self.holds) = (None, false);
+                    self.taken_back = self.instruction.take();
+                    self.holds = false;
+                }
+                if self.taken_back.is_none() {
+                    self.said.push_back("is on its mission again".to_owned());
                 }
             }
             _ => {}

@@ -11,6 +11,28 @@ impl FlightVehicle<'_> {
         self.command([modes::start(self.of.mission)]);
     }
 
+    /// Says that it is on its mission again, although it was ordered to leave it.
+    pub(in crate::flight) fn say_taken_back(&mut self) {
+        if self.taken_back.take().is_some() {
+            self.said.push_back("is on its mission again".to_owned());
+        }
+    }
+
+    /// Stops the motors of a vehicle whose mission was started and which has not taken off, instead of an
+    /// order that it would take on the ground. Whether it is such a one.
+    pub(in crate::flight) fn stays_on_ground(&mut self, instruction: Instruction) -> bool {
+        let was_started = matches!(self.stage, Stage::Flying | Stage::Starting);
+        if !was_started || self.airborne {
+            return false;
+        }
+        let why = format!("was ordered to {} before it took off", instruction.verb());
+        self.disarm(Some(End::Failed(why)));
+        if let Stage::Disarming(disarming) = &mut self.stage {
+            disarming.if_airborne = Some(instruction);
+        }
+        true
+    }
+
     /// Orders it to hold or to land, if it flies.
     pub(in crate::flight) fn instruct(&mut self, instruction: Instruction) {
         if !matches!(self.stage, Stage::Flying | Stage::Starting) {

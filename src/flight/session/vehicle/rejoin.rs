@@ -55,17 +55,19 @@ impl FlightVehicle<'_> {
     /// An order of before is known by its mode.
     fn rejoin_in_the_air(&mut self, custom_mode: u32) {
         self.stage = Stage::Flying;
+        let mode = modes::name(self.of.mission, custom_mode);
         let text = if self.in_mission {
-            "flies its mission"
+            "flies its mission".to_owned()
         } else if modes::is_hold(self.of.mission, custom_mode) {
             self.begin_instruction(Instruction::Hold);
-            "is in the mode of a hold"
+            "is in the mode of a hold; who ordered it is not known".to_owned()
         } else if modes::is_land(self.of.mission, custom_mode) {
             self.begin_instruction(Instruction::Land);
-            "lands where it is"
+            self.hold.is_of_others = true;
+            "lands where it is; who ordered it is not known".to_owned()
         } else {
             self.left = true;
-            "is off its mission"
+            format!("is off its mission, in {mode}")
         };
         self.said.push_back(format!("is watched again: it {text}"));
     }
