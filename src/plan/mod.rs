@@ -66,9 +66,11 @@ pub struct VehiclePlan {
     /// How often it was planned: more than once where the first plan came too near to
     /// others, or failed verification.
     pub plans: usize,
-    /// Indices of the earlier vehicles that it is planned around, in order; from the
-    /// flights of all others it is apart.
+    /// Indices of the vehicles that it is planned around, in order; from the flights of all others
+    /// it is apart. They are before it, unless it is of a large fleet and was planned again.
     pub avoids: Vec<usize>,
+    /// Whether its paths were searched around others, and not as if it were alone.
+    pub is_detour: bool,
     /// Indices of the earlier vehicles that leave it no path within the limits; set by
     /// [`FleetPlan::name_blockers`].
     pub blocked_by: Vec<usize>,

@@ -116,7 +116,8 @@ impl<'a> Reviewer<'a> {
                 _ => margin.limit.buffer_of(&spec.buffers, margin.unit),
             };
         }
-        let tracks: Vec<Track> = sorties.iter().map(|sortie| sortie.track(world)).collect();
+        let tracks = sorties.par_iter().map(|sortie| sortie.track(world));
+        let tracks: Vec<Track> = tracks.collect();
         let mut assumptions = assumed::of_sorties(spec, world, &sorties);
         assumptions.extend(landings_on_parked(&tracks));
         let review = Review {

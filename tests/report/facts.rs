@@ -316,6 +316,7 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
                 evaluations: 40_000,
                 plans: 1,
                 avoids: Vec::new(),
+                is_detour: false,
                 blocked_by: Vec::new(),
                 blocking_set: Vec::new(),
                 relaxations: None,

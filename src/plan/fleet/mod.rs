@@ -13,6 +13,9 @@
 //! there is one without a conflict. If there is none, it is planned around others from a departure
 //! at which its takeoff and landing are free, and that path may be retimed once more.
 //!
+//! In a large fleet a vehicle that failed verification gives way to all others as they stand: see
+//! [`repair`].
+//!
 //! The first vehicles of the order are few enough to be planned around all before them at once,
 //! which spares small fleets the second search. So are all vehicles under the paper's objective,
 //! which has a collision term of its own.
@@ -27,6 +30,7 @@ pub(super) mod columns;
 pub(super) mod pairs;
 pub(super) mod passing;
 pub(super) mod prioritised;
+pub(super) mod repair;
 pub(super) mod retiming;
 pub(super) mod shapes;
 pub(super) mod vehicle;
@@ -43,9 +47,13 @@ use super::{FleetPlan, VehiclePlan};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
 use crate::numeric::tracks::Nearness;
 use crate::path::{Flight, flight, route_ends};
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Objective};
 use crate::world::World;
 use prioritised::Fleet;
+use repair::repaired;
+
+/// Most vehicles of a fleet that is planned again in priority order.
+const MOST_IN_ORDER: usize = 100;
 
 /// What to plan besides the spec.
 pub struct Request<'a> {
@@ -225,7 +233,8 @@ pub fn plan_each_alone(spec: &MissionSpec, world: &World, request: &Request<'_>)
 /// for. Of the others only those are planned again that a new flight comes too near to.
 ///
 /// A vehicle that is planned anew is planned around those it was planned around before,
-/// and others as need be.
+/// and others as need be. In a large fleet it first gives way to all others, so that nobody else
+/// is planned again; the vehicles for which that fails are planned in priority order.
 #[must_use]
 pub fn replan(
     previous: &FleetPlan,
@@ -235,7 +244,19 @@ pub fn replan(
     request: &Request<'_>,
 ) -> FleetPlan {
     let planning = Planning::new(spec, world, request);
-    let mut plan = Fleet::new(planning, again, previous.vehicles.clone()).plan_in_parallel();
+    let is_whole = previous.vehicles.len() == spec.vehicles.len();
+    let is_large = is_whole && spec.vehicles.len() > MOST_IN_ORDER;
+    let (vehicles, again) = match is_large && spec.planner.objective != Objective::Paper {
+        true => repaired(planning, &previous.vehicles, again),
+        false => (previous.vehicles.clone(), again.to_vec()),
+    };
+    let mut plan = match is_large && again.is_empty() {
+        true => FleetPlan {
+            seed: request.seed,
+            vehicles,
+        },
+        false => Fleet::new(planning, &again, vehicles).plan_in_parallel(),
+    };
     // Neither margins nor other flights change a bound.
     for (vehicle, previous) in plan.vehicles.iter_mut().zip(&previous.vehicles) {
         vehicle.set_bound(previous.bound);

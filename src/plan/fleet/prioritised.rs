@@ -66,7 +66,15 @@ pub(crate) struct Fleet<'a> {
 }
 
 impl<'a> Fleet<'a> {
-    pub(crate) fn new(planning: Planning<'a>, again: &[usize], previous: Vec<VehiclePlan>) -> Self {
+    pub(crate) fn new(
+        planning: Planning<'a>,
+        again: &[usize],
+        mut previous: Vec<VehiclePlan>,
+    ) -> Self {
+        // A repaired plan may avoid later vehicles: here these avoid it.
+        for (index, plan) in previous.iter_mut().enumerate() {
+            plan.avoids.retain(|&other| other < index);
+        }
         let mut anew = vec![false; planning.spec.vehicles.len()];
         for &index in again {
             if let Some(anew) = anew.get_mut(index) {
@@ -436,7 +444,7 @@ fn first_of_window(index: usize) -> usize {
 }
 
 /// The same at several times the distances.
-fn wider(nearness: &Nearness) -> Nearness {
+pub(super) fn wider(nearness: &Nearness) -> Nearness {
     /// Far enough that a way around others seldom meets more.
     const TIMES: f64 = 4.0;
     Nearness {
@@ -447,7 +455,7 @@ fn wider(nearness: &Nearness) -> Nearness {
 }
 
 /// A plan whose effort is counted elsewhere.
-fn counted(plan: &VehiclePlan) -> VehiclePlan {
+pub(super) fn counted(plan: &VehiclePlan) -> VehiclePlan {
     VehiclePlan {
         evaluations: 0,
         plans: 0,

@@ -7,8 +7,8 @@
 
 use rayon::prelude::*;
 
-use super::Planning;
 use super::vehicle::sum;
+use super::{MOST_IN_ORDER, Planning};
 use crate::cost::{Batch, CostTerms, EarlierFlights, Margins, RouteEnds};
 use crate::numeric::tracks::{Track, Tracks};
 use crate::path::{TimedPoint, route_start_s, time_route, way_speed_mps};
@@ -20,6 +20,8 @@ use crate::spec::{Span, Vehicle};
 
 /// Departures to try, a whole number of seconds apart.
 const DEPARTURES: f64 = 200.0;
+/// The same in a large fleet where those are all taken: a search around others takes longer.
+const MORE_DEPARTURES: f64 = 1000.0;
 /// The same for a path that is planned around others.
 const AROUND: f64 = 40.0;
 /// Speeds to try, at least this share of the specified one apart.
@@ -54,7 +56,7 @@ impl Planning<'_> {
     ) -> Option<VehiclePlan> {
         let vehicle = &self.spec.vehicles[index];
         let nearness = self.nearness(index);
-        let (mut choices, mut tracks) = (Vec::new(), Vec::new());
+        let (mut ways, mut tracks) = (Vec::new(), Vec::new());
         for (speed, (speed_mps, terms)) in self.speeds(index, alone).into_iter().enumerate() {
             let choice = Choice {
                 depart_s: vehicle.depart_s,
@@ -65,22 +67,15 @@ impl Planning<'_> {
             };
             let plan = self.retimed(index, alone, choice);
             tracks.push(self.flight(index, &plan).track());
-            let longer_s = (plan.duration_s() - alone.duration_s()).abs();
-            choices.extend(
-                departures(vehicle, DEPARTURES)
-                    .into_iter()
-                    .map(|depart_s| Choice {
-                        depart_s,
-                        change_s: longer_s + (depart_s - vehicle.depart_s).abs(),
-                        ..choice
-                    }),
-            );
+            ways.push(Choice {
+                change_s: (plan.duration_s() - alone.duration_s()).abs(),
+                ..choice
+            });
         }
-        choices.sort_by(|a, b| a.change_s.total_cmp(&b.change_s));
         let is_apart = |track: &Track| !others.is_any_near(track, &nearness);
         // A vehicle in the air has its times, whatever its departure.
         let is_airborne = self.world.stations[index].departure.is_airborne();
-        choices.par_iter().find_map_first(|choice| {
+        let free = |choice: &Choice| {
             let later_s = choice.depart_s - vehicle.depart_s;
             if !is_airborne && !is_apart(&tracks[choice.speed].delayed(later_s)) {
                 return None;
@@ -88,7 +83,13 @@ impl Planning<'_> {
             // The same again but for rounding.
             let plan = self.retimed(index, alone, *choice);
             is_apart(&self.flight(index, &plan).track()).then_some(plan)
-        })
+        };
+        let first = |count: f64| {
+            let choices = choices(vehicle, &ways, count);
+            choices.par_iter().find_map_first(free)
+        };
+        let is_large = self.spec.vehicles.len() > MOST_IN_ORDER;
+        first(DEPARTURES).or_else(|| is_large.then(|| first(MORE_DEPARTURES)).flatten())
     }
 
     /// Departures of a path, and the vehicles that it then meets: first those at which its takeoff
@@ -238,6 +239,23 @@ impl Planning<'_> {
         }
         sums
     }
+}
+
+/// About this number of departures at each speed, those that change the times least first.
+fn choices(vehicle: &Vehicle, speeds: &[Choice], count: f64) -> Vec<Choice> {
+    let departures = departures(vehicle, count);
+    let at = |speed: &Choice, depart_s: f64| Choice {
+        depart_s,
+        change_s: speed.change_s + (depart_s - vehicle.depart_s).abs(),
+        ..*speed
+    };
+    let each = speeds.iter().flat_map(|speed| {
+        let departures = departures.iter();
+        departures.map(move |&depart_s| at(speed, depart_s))
+    });
+    let mut choices: Vec<Choice> = each.collect();
+    choices.sort_by(|a, b| a.change_s.total_cmp(&b.change_s));
+    choices
 }
 
 /// Departures to try, about this number: the specified one first.

@@ -125,6 +125,7 @@ impl<'a> Shaper<'a> {
             speed_mps: self.spec.vehicles[self.index].speed_mps,
             routes: routes.into_iter().map(later).collect(),
             terms,
+            is_detour: true,
             ..self.base.clone()
         }
     }

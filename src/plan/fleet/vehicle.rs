@@ -45,6 +45,7 @@ impl<'a> Planning<'a> {
         let (spec, request) = (self.spec, self.request);
         let routes = route_ends(&spec.vehicles[index], &self.world.stations[index]);
         let mut plan = self.empty_plan(index, avoids);
+        plan.is_detour = !earlier.is_empty();
         let arrivals = spec.vehicles[index].arrivals(routes.len());
         // Those that are straight by their nature take none of the budget.
         let is_searched = |arrival: &Arrival| *arrival == Arrival::Planned;
@@ -111,7 +112,10 @@ impl<'a> Planning<'a> {
         if old.routes.len() != routes.len() {
             return None;
         }
-        let mut plan = self.empty_plan(index, old.avoids.clone());
+        let mut plan = VehiclePlan {
+            is_detour: old.is_detour,
+            ..self.empty_plan(index, old.avoids.clone())
+        };
         for (number, (ends, route)) in routes.into_iter().zip(&old.routes).enumerate() {
             let spec = &*on_route(self.spec, index, number);
             let context = self.context(spec, index, ends, &plan, earlier);

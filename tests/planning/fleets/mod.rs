@@ -3,5 +3,6 @@
 mod conflicts;
 mod crowds;
 mod freedoms;
+mod repairs;
 mod retiming;
 mod table;
