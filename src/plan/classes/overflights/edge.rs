@@ -200,7 +200,7 @@ mod tests {
         let parts = |a, b| crossings(&ring, (a, b));
         assert_eq!(parts([-10.0, 1.0], [30.0, 1.0]), [(0.25, 0.5)]);
         assert_eq!(parts([5.0, 1.0], [5.0, -1.0]), [(0.0, 0.5)]);
-        assert_eq!(parts([-10.0, 11.0], [30.0, 11.0]), []);
+        assert!(parts([-10.0, 11.0], [30.0, 11.0]).is_empty());
         // Past the notch it is inside twice.
         assert_eq!(parts([-10.0, 6.0], [20.0, 6.0]).len(), 2);
     }
