@@ -54,6 +54,8 @@ pub(crate) struct RouteContext<'a> {
     /// Parameters at which the path is sampled besides the even ones.
     pub extra: &'a [f64],
     pub options: SearchOptions,
+    /// Whether decoded altitudes are over zones from edge to edge, between samples too.
+    pub at_edges: bool,
     /// Set once the search is to end.
     pub cancel: Option<&'a AtomicBool>,
 }
@@ -133,15 +135,18 @@ impl<'a> RouteContext<'a> {
             ..self.margins
         };
         let layer = self.layer();
-        FloorMaker::new(
+        let floor = FloorMaker::new(
             (self.world, layer),
             margins.within_m(layer.max_agl_m - self.world.min_agl.0),
             Slopes::new(
                 VehicleLimits::of(self.vehicle()),
                 1.0 - climb_fraction - TOLERANCE,
             ),
-        )
-        .with_margin(&self.ends, self.margins.threat_m)
+        );
+        match self.at_edges {
+            true => floor.over_edges(&self.ends, self.margins.threat_m),
+            false => floor.with_margin(&self.ends, self.margins.threat_m),
+        }
     }
 
     /// The smaller of the vehicle's slope limits, at its higher end.

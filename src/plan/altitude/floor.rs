@@ -42,8 +42,8 @@ impl Slopes {
 }
 
 /// A zone that can be flown over or under.
-struct LowZone<'a> {
-    closed: Offset,
+pub(super) struct LowZone<'a> {
+    pub(super) closed: Offset,
     zone: &'a PlanZone,
     /// Kept above it, and below it, metres.
     over_m: f64,
@@ -59,13 +59,15 @@ pub(crate) struct SampledLine<'a> {
 
 /// What the floor is made of.
 pub(crate) struct FloorMaker<'a> {
-    world: &'a World,
-    layer: Layer,
+    pub(super) world: &'a World,
+    pub(super) layer: Layer,
     /// Kept above ground beyond the minimum, metres.
     over_m: f64,
     /// Kept below the greatest height above ground, metres.
     under_m: f64,
-    zones: Vec<LowZone<'a>>,
+    pub(super) zones: Vec<LowZone<'a>>,
+    /// Whether paths are over zones from edge to edge, between samples too.
+    at_edges: bool,
     slopes: Slopes,
     /// The ground, not a number where there are no data.
     relief: Relief,
@@ -107,6 +109,7 @@ impl<'a> FloorMaker<'a> {
             over_m,
             under_m,
             zones,
+            at_edges: false,
             slopes,
             level: Level::new(),
         }
@@ -119,6 +122,16 @@ impl<'a> FloorMaker<'a> {
         for low in self.zones.iter_mut().filter(|low| low.zone.buffer_m > 0.0) {
             low.closed = low.zone.away_from(ends, margin_m);
         }
+        self
+    }
+
+    /// The same where paths are over zones from edge to edge, margins included, between samples too.
+    pub(crate) fn over_edges(mut self, ends: &RouteEnds, margin_m: f64) -> Self {
+        let ends = [ends.from.at, ends.to.at].map(|at| [at.east_m, at.north_m]);
+        for low in &mut self.zones {
+            low.closed = low.zone.away_from(ends, margin_m);
+        }
+        self.at_edges = true;
         self
     }
 
@@ -149,7 +162,9 @@ impl<'a> FloorMaker<'a> {
             let floors_m = demand.floor_m.iter_mut().zip(&demand.ground_m);
             for ((floor_m, ground_m), at) in floors_m.zip(east_m.iter().zip(north_m)) {
                 let top_m = self.layer.ceiling_m(*ground_m, self.world.max_amsl.0);
-                *floor_m = zone.raised(*floor_m, *ground_m, (*at.0, *at.1), top_m);
+                if zone.is_near((*at.0, *at.1)) && self.is_in(zone, (*at.0, *at.1)) {
+                    *floor_m = zone.raised(*floor_m, *ground_m, top_m);
+                }
             }
         }
         // Over a void the objective judges; the floor just goes on.
@@ -175,7 +190,19 @@ impl<'a> FloorMaker<'a> {
                 *most_m = slope * length_m;
             }
         }
+        if self.at_edges {
+            self.raise_at_edges(line, demand);
+        }
         raise(ends_m, demand);
+    }
+
+    /// Whether a zone holds a place near it.
+    #[inline(always)]
+    fn is_in(&self, zone: &LowZone<'_>, at: (f64, f64)) -> bool {
+        match self.at_edges {
+            true => zone.closed.contains([at.0, at.1]),
+            false => zone.holds(at),
+        }
     }
 
     /// The highest altitudes of a path at those of its samples that are under a zone, `amsl_m` at
@@ -292,18 +319,20 @@ impl LowZone<'_> {
         }
     }
 
-    /// A floor, raised to the top of the zone where it is in it; left alone where it is below the
-    /// zone, and where the zone reaches up to the ceiling at `most_m`.
-    fn raised(&self, floor_m: f64, ground_m: f64, at: (f64, f64), most_m: f64) -> f64 {
-        if !self.is_near(at) || !self.holds(at) {
-            return floor_m;
+    /// A floor in the zone, raised to its top; left alone where it is below the zone, and where the
+    /// zone reaches up to the ceiling at `most_m`.
+    fn raised(&self, floor_m: f64, ground_m: f64, most_m: f64) -> f64 {
+        match self.lid_m(floor_m, ground_m, most_m) {
+            Some(lid_m) => floor_m.max(lid_m),
+            None => floor_m,
         }
+    }
+
+    /// What a path at a floor has to be above in the zone.
+    pub(super) fn lid_m(&self, floor_m: f64, ground_m: f64, most_m: f64) -> Option<f64> {
         let (from_m, below_m) = self.zone.closed_m(ground_m);
         let top_m = below_m + self.over_m;
-        match floor_m > from_m - self.under_m && top_m <= most_m {
-            true => floor_m.max(top_m),
-            false => floor_m,
-        }
+        (floor_m > from_m - self.under_m && top_m <= most_m).then_some(top_m)
     }
 }
 

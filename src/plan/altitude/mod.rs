@@ -19,6 +19,7 @@
 //! Where slopes and floor cannot be met together the slopes are given up: the objective
 //! will tell.
 
+mod edges;
 pub(super) mod floor;
 pub(super) mod least_cost;
 pub(super) mod simplex;
@@ -74,6 +75,8 @@ pub(super) struct Demand {
     pub weights: Vec<f64>,
     /// Ground under each sample, metres above the sea: what the floor is made of.
     pub ground_m: Vec<f64>,
+    /// Scratch space for where pieces cross the edges of zones.
+    pub crossings: Vec<(f64, i32)>,
 }
 
 /// What [`AltitudeLp::solve`] works in, kept between calls to save allocations.

@@ -14,6 +14,7 @@ pub(super) mod free_space;
 pub(super) mod grid;
 pub(super) mod narrow_zones;
 pub(super) mod obstacles;
+pub(super) mod overflights;
 pub(super) mod routes;
 
 use std::cmp::Reverse;

@@ -45,6 +45,15 @@ impl Obstacles {
                 positions.push(at);
             }
         }
+        Self::at(positions, start, goal)
+    }
+
+    /// Obstacles at some positions.
+    pub(crate) fn at(
+        positions: impl IntoIterator<Item = EastNorth>,
+        start: EastNorth,
+        goal: EastNorth,
+    ) -> Self {
         let length_m = start.distance_m(goal).max(1e-9);
         let along = (
             (goal.east_m - start.east_m) / length_m,
@@ -103,7 +112,7 @@ impl Obstacles {
 }
 
 /// A number for each index, unlike any other (splitmix64).
-fn scramble(index: u64) -> u64 {
+pub(crate) fn scramble(index: u64) -> u64 {
     let mut z = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

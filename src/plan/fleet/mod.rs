@@ -148,6 +148,7 @@ impl<'a> Planning<'a> {
             margins: self.request.margins_of(index),
             extra: self.request.extra_parameters_of(index),
             options: self.options,
+            at_edges: false,
             cancel: self.request.cancel,
         }
     }

@@ -48,14 +48,7 @@ pub(super) fn or_through_corridors(
     let is_default = (planner.algorithm, planner.objective)
         == (Algorithm::Msfoa, Objective::Operational)
         && context.options.classes;
-    // Within the limits the margins may be missed: verification judges, and says where it failed.
-    let has_failed = !context.extra.is_empty();
-    let judged = if has_failed {
-        first.strict
-    } else {
-        first.terms
-    };
-    if !is_default || keeps_static_limits(&judged) {
+    if !is_default || stands(context, &first) {
         return first;
     }
     let Some(homotopy) = corridors(context) else {
@@ -82,6 +75,18 @@ pub(super) fn or_through_corridors(
         }
         controls = times_more(controls).min(most);
     }
+}
+
+/// Whether a route keeps all limits that no other vehicle sets.
+pub(super) fn stands(context: &RouteContext<'_>, found: &Found) -> bool {
+    // Within the limits the margins may be missed: verification judges, and says where it failed.
+    let has_failed = !context.extra.is_empty();
+    let judged = if has_failed {
+        found.strict
+    } else {
+        found.terms
+    };
+    keeps_static_limits(&judged)
 }
 
 /// The better of a fit that keeps the limits and of what is found from it and others.

@@ -4,6 +4,7 @@ pub(super) mod corridor;
 pub(super) mod detour;
 pub(super) mod fit;
 pub(super) mod objective;
+mod overflight;
 pub(super) mod polish;
 pub(super) mod problem;
 pub(super) mod published;
@@ -107,7 +108,7 @@ pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
         return found_among(context, Vec::new(), 0);
     }
     let found = corridor::or_through_corridors(context, run, search_classes(context, run));
-    polish::polished(context, found)
+    overflight::polished_or_overflight(context, found)
 }
 
 /// Searches one route from the classes of the soft fields.

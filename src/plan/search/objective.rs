@@ -59,6 +59,7 @@ pub fn objective<'a>(
             margins: Margins::default(),
             extra: &[],
             options: SearchOptions::default(),
+            at_edges: false,
             cancel: None,
         };
         let flown = &spec.vehicles[vehicle];

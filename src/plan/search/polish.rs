@@ -89,9 +89,14 @@ fn is_worth_it(context: &RouteContext<'_>, found: &Found) -> bool {
     climbs + found.terms.altitude > LEAST_SHARE * found.terms.total()
 }
 
-/// How often the spans of a spline are halved.
+/// How often the spans of a spline are halved. Lids of zones are not read from the grid of the
+/// ground: over them spans may be shorter than its cells.
 fn halvings(context: &RouteContext<'_>, spline: &Spline) -> usize {
-    let least_m = (SPAN_CELLS * context.world.ground.spacing_m)
+    let cells_m = match context.at_edges {
+        true => 0.0,
+        false => SPAN_CELLS * context.world.ground.spacing_m,
+    };
+    let least_m = cells_m
         .max(VehicleLimits::of(context.vehicle()).turn_radius_m)
         .max(LEAST_SPAN_M);
     let length_m = length_m(&plane(spline));

@@ -27,6 +27,7 @@ fn with_problem(windows: bool, act: impl FnOnce(&Horizontal<'_>)) {
         margins: Margins::default(),
         extra: &[],
         options: crate::plan::SearchOptions::default(),
+        at_edges: false,
         cancel: None,
     };
     let parameters = context.parameters(context.samples());
