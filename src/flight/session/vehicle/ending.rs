@@ -8,24 +8,52 @@ use crate::flight::session::end::End;
 use crate::flight::session::modes;
 use crate::flight::session::orbit::Orbit;
 
+/// A heartbeat that shows the motors to stand, and none after it for this long, is the last, milliseconds.
+const SILENT_MS: u64 = 2500;
+
 /// Heartbeats in a row: one alone may be of another component, or wrong.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Motors {
     stand: u8,
     run: u8,
     /// Whether its flight ended because they stood.
     ended: bool,
+    /// When the first heartbeat showed them to stand, seconds after T0.
+    stood_s: Option<f64>,
+    /// Positions since the first heartbeat that shows them to stand: of the flight if it goes on.
+    since: Vec<Fix>,
 }
 
 impl FlightVehicle<'_> {
-    /// Whether heartbeats show that its motors stand.
-    pub(super) fn has_stopped(&mut self, is_armed: bool) -> bool {
+    /// Whether heartbeats show that its motors stand; one comes at a time in seconds after T0.
+    pub(super) fn has_stopped(&mut self, is_armed: bool, t_s: f64) -> bool {
         let (stand, run) = (self.motors.stand, self.motors.run);
         (self.motors.stand, self.motors.run) = match is_armed {
             true => (0, run.saturating_add(1)),
             false => (stand.saturating_add(1), 0),
         };
+        if stand == 0 && !is_armed {
+            self.motors.stood_s = Some(t_s);
+        }
+        if is_armed {
+            for fix in std::mem::take(&mut self.motors.since) {
+                self.add_fix(fix);
+            }
+        }
         self.motors.stand >= BEATS
+    }
+
+    /// Takes a position into the record of its flight, unless its motors may stand by then.
+    pub(super) fn record_fix(&mut self, fix: Fix) {
+        match self.motors.stand > 0 {
+            true => self.motors.since.push(fix),
+            false => self.add_fix(fix),
+        }
+    }
+
+    fn add_fix(&mut self, fix: Fix) {
+        self.flown.fixes.push(fix);
+        self.progress.take(&fix);
     }
 
     /// It stopped its motors: how its flight ended.
@@ -45,6 +73,7 @@ impl FlightVehicle<'_> {
             (true, _) => self.landing(),
         };
         self.end(end);
+        self.flown.until_s = self.motors.stood_s;
         self.motors.ended = true;
     }
 
@@ -126,6 +155,11 @@ impl FlightVehicle<'_> {
     /// Whether it stays at the end of its mission, or where it was ordered to.
     pub(in crate::flight) fn check_ending(&mut self, t_s: f64) {
         let Some((_, fix)) = self.latest else { return };
+        let is_silent = self.now - self.beat_at > SILENT_MS;
+        if matches!(self.stage, Stage::Flying) && self.motors.stand > 0 && is_silent {
+            let mode = self.heartbeat_now().map_or(0, |beat| beat.custom_mode);
+            return self.stopped(mode);
+        }
         if !matches!(self.stage, Stage::Flying) || !self.airborne {
             return;
         }

@@ -57,7 +57,7 @@ impl FlightVehicle<'_> {
             Message::Heartbeat(beat) => {
                 self.beat_at = now;
                 self.heed_motors(*beat, flight_ms, t0_ms.is_some());
-                self.heartbeat(*beat);
+                self.heartbeat(*beat, t_s);
             }
             Message::HomePosition { x, y, amsl_mm } => {
                 #[expect(
@@ -204,16 +204,15 @@ impl FlightVehicle<'_> {
                 self.said.push_back("took off".to_owned());
             }
             if fix.t_s >= 0.0 {
-                self.flown.fixes.push(fix);
-                self.progress.take(&fix);
+                self.record_fix(fix);
             }
         }
     }
 
-    fn heartbeat(&mut self, beat: Heartbeat) {
+    fn heartbeat(&mut self, beat: Heartbeat, t_s: f64) {
         let was = self.in_mission;
         self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
-        let has_stopped = self.has_stopped(beat.is_armed());
+        let has_stopped = self.has_stopped(beat.is_armed(), t_s);
         match self.stage {
             Stage::Flying if has_stopped => self.stopped(beat.custom_mode),
             Stage::Ended if beat.is_armed() => self.flies_on(),
