@@ -180,9 +180,9 @@ impl<'a> Fleet<'a> {
             let who = vehicle.clone().unwrap_or_default();
             self.abandon(now, vec![(who, what.to_owned())]);
         }
-        // What goes on is said once: it would hide all else.
+        // What a system goes on to do is said once: it would hide all else.
         let trouble = (vehicle, what.to_owned());
-        if !self.troubles.contains(&trouble) {
+        if system.is_none() || !self.troubles.contains(&trouble) {
             self.troubles.push(trouble.clone());
             self.say(now, trouble.0, trouble.1);
         }

@@ -45,7 +45,8 @@ impl FlightVehicle<'_> {
 
     /// Takes a position into the record of its flight, unless its motors may stand by then.
     pub(super) fn record_fix(&mut self, fix: Fix) {
-        match self.motors.stand > 0 {
+        let may_stand = matches!(self.stage, Stage::Flying) && self.motors.stand > 0;
+        match may_stand {
             true => self.motors.since.push(fix),
             false => self.add_fix(fix),
         }
@@ -96,7 +97,7 @@ impl FlightVehicle<'_> {
     pub(in crate::flight) fn give_up(&mut self, why: String, is_lost: bool) {
         let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
         let was_started = matches!(self.stage, Stage::Armed | Stage::Starting | Stage::Flying);
-        if was_started && is_armed && !self.airborne {
+        if was_started && is_armed && !self.airborne && !is_lost {
             let why = format!("{why}, and has not taken off");
             return self.disarm(Some(End::Failed(why)));
         }

@@ -99,13 +99,17 @@ impl FlightVehicle<'_> {
 
     /// How far from where it held first it has left it, metres: a wing is on its circle anywhere.
     fn left_m(&self) -> f64 {
-        let mission = self.of.mission;
-        if !mission.airframe.has_wing() {
-            return LEFT_M;
+        match self.of.mission.airframe.has_wing() {
+            true => WIDE_CIRCLE * 2.0 * self.circle_m().unwrap_or(CIRCLE_M).max(LEFT_M),
+            false => LEFT_M,
         }
-        let radius = ["WP_LOITER_RAD", "NAV_LOITER_RAD"];
-        let radius_m = radius.iter().find_map(|name| mission.param_si(name));
-        WIDE_CIRCLE * 2.0 * radius_m.map_or(CIRCLE_M, f64::abs).max(LEFT_M)
+    }
+
+    /// The radius of the circles of a wing by its parameters, metres.
+    pub(super) fn circle_m(&self) -> Option<f64> {
+        let mut names = ["WP_LOITER_RAD", "NAV_LOITER_RAD"].into_iter();
+        let radius_m = names.find_map(|name| self.of.mission.param_si(name));
+        radius_m.map(f64::abs)
     }
 
     /// Whether one that has moved out of its hold has been at one place for long: a slow drift is none.

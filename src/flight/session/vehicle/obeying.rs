@@ -46,11 +46,7 @@ impl FlightVehicle<'_> {
             true => down_m.abs() >= LEAST_UP_M || before.away_m - away_m >= LEAST_NEARER_M,
             false => down_m >= LEAST_UP_M,
         };
-        let circle_m = self
-            .of
-            .mission
-            .param_si("WP_LOITER_RAD")
-            .map_or(0.0, f64::abs);
+        let circle_m = self.circle_m().unwrap_or(0.0);
         let is_there = returns && away_m <= THERE_M + THERE_RADII * circle_m;
         if gets_on || is_there {
             self.hold.headway = Some(now);
