@@ -10,6 +10,8 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use crate::numeric::as_f64;
+
 /// A normal distribution around a mean, scaled per variable.
 pub(super) struct Adapted {
     mean: DVector<f64>,
@@ -250,12 +252,6 @@ impl Adapted {
         self.path.fill(0.0);
         self.step_path.fill(0.0);
     }
-}
-
-fn as_f64(count: usize) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "a number of variables")]
-    let count = count as f64;
-    count
 }
 
 #[cfg(test)]

@@ -7,10 +7,10 @@ use std::fmt::Write;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::stats::as_f64;
 use crate::autopilot::{Airframe, Autopilot, facts};
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 use crate::numeric::Seed;
+use crate::numeric::as_f64;
 
 /// The highest difficulty.
 pub const MAX_DIFFICULTY: u8 = 10;

@@ -5,6 +5,8 @@
 
 use std::f64::consts::SQRT_2;
 
+use crate::numeric::as_f64;
+
 /// Best, average, median, deviation and worst of some costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
@@ -134,11 +136,6 @@ fn upper_tail(z: f64) -> f64 {
     let sum = FIT.iter().rev().fold(0.0, |sum, c| sum * t + c);
     let half = 0.5 * t * (-x * x + sum).exp();
     if z < 0.0 { 1.0 - half } else { half }
-}
-
-#[expect(clippy::cast_precision_loss, reason = "small counts")]
-pub(super) fn as_f64(count: usize) -> f64 {
-    count as f64
 }
 
 #[cfg(test)]

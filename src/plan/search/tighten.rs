@@ -11,6 +11,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::fit::Fitter;
 use crate::geodesy::EastNorth;
+use crate::numeric::as_f64;
 use crate::plan::classes::field::Field;
 use crate::world::Disc;
 
@@ -281,12 +282,6 @@ impl Fit {
     fn mean(&self, piece: &Piece) -> f64 {
         0.5 * (self.costs[piece.first].cost + self.costs[piece.first + 1].cost)
     }
-}
-
-fn as_f64(count: usize) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "hundreds")]
-    let count = count as f64;
-    count
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use geo::Coord;
 
 use super::{Drawing, Plot, outline};
 use crate::geodesy::EastNorth;
+use crate::numeric::as_f64;
 use crate::spec::{Cylinder, Scenario};
-use crate::study::stats::as_f64;
 
 /// Cells along one side, from above.
 const CELLS: usize = 64;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rand::RngExt;
 
 use super::{BASE_AMSL_M, Problem, Rng, Round, Zone};
-use crate::study::stats::as_f64;
+use crate::numeric::as_f64;
 
 /// A valley that winds over 16 km between ridges of some 400 m, under a ceiling of 250 m over the
 /// plain.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rand::RngExt;
 
 use super::{At, Problem, Rng, Round, Zone};
-use crate::study::stats::as_f64;
+use crate::numeric::as_f64;
 
 /// Three to nine walls 30 to 80 m thick across 6 km, with gaps of 250 to 600 m.
 pub(super) fn walls(rng: &mut Rng) -> Problem {

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
-use crate::study::stats::as_f64;
+use crate::numeric::as_f64;
 use crate::world::World;
 
 /// The elevation of the area: path relative to the mission, and content.

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use crate::numeric::as_f64;
 use crate::study::document::Table;
-use crate::study::stats::as_f64;
 
 /// A fleet of one size, planned by `sortie plan` from the spec to the files.
 #[derive(Clone, Debug, Default, Serialize)]

@@ -2,8 +2,9 @@
 
 use super::contestants::Contestant;
 use super::results::{READINGS, Reading, Results};
+use crate::numeric::as_f64;
 use crate::study::draw::{COLOURS, Drawing, Plot};
-use crate::study::stats::{Summary, as_f64};
+use crate::study::stats::Summary;
 
 /// The average best cost of one contestant on one map.
 pub(super) struct Curve<'a> {

@@ -5,12 +5,12 @@ use super::convergence::convergence;
 use super::record::Record;
 use super::results::Results;
 use crate::numeric::Basis;
+use crate::numeric::as_f64;
 use crate::study::document::Figure;
 use crate::study::draw::ground::{DANGER, bands, ends, key, legend, plot, threats};
 use crate::study::draw::view::view;
 use crate::study::draw::{COLOURS, Drawing, Plot};
 use crate::study::setting::Setting;
-use crate::study::stats::as_f64;
 
 /// Points of a drawn path.
 const PATH_POINTS: usize = 121;

@@ -9,8 +9,8 @@ use super::published::{Published, of_contestant};
 use super::results::{READINGS, Reading, Results};
 use super::shipped_maps;
 use crate::cost::CostTerms;
+use crate::numeric::as_f64;
 use crate::study::document::{Document, Table, yes_no};
-use crate::study::stats::as_f64;
 use crate::study::store::Study;
 
 pub(super) fn document(results: &Results<'_>) -> Document {

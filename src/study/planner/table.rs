@@ -5,8 +5,9 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::{BestKnown, PlannerRun, PlannerStudy, variants};
+use crate::numeric::as_f64;
 use crate::study::document::Table;
-use crate::study::stats::{Summary, as_f64};
+use crate::study::stats::Summary;
 
 /// Runs of one variant with one budget on one mission.
 struct Cell {

@@ -15,8 +15,8 @@ use serde::Serialize;
 
 use super::document::Table;
 use super::setting::controls;
-use super::stats::as_f64;
 use crate::cost::{Batch, CostModel, Dispatch, Scratch};
+use crate::numeric::as_f64;
 use crate::spec::{Objective, SpecError};
 use course::{BATCH, CANDIDATES};
 

@@ -2,6 +2,7 @@
 
 use super::{Edge, Graph, point};
 use crate::geodesy::EastNorth;
+use crate::numeric::as_f64;
 use crate::numeric::geometry::{Point, Ring, point_segment_distance};
 use crate::world::{Disc, PlanZone};
 
@@ -176,12 +177,6 @@ fn crossings(ring: &Ring, (a, b): (Point, Point)) -> Vec<(f64, f64)> {
         to > from && ring.contains([a[0] + middle * along[0], a[1] + middle * along[1]])
     };
     pairs.filter(is_inside).collect()
-}
-
-fn as_f64(count: usize) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "hundreds")]
-    let count = count as f64;
-    count
 }
 
 #[cfg(test)]
