@@ -132,7 +132,7 @@ impl FlightVehicle<'_> {
             Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed
         );
         if is_checked && self.own_clock.is_some_and(goes_back) {
-            let why = "was started again after its mission was read: begin anew";
+            let why = "was started again after its mission was read: run `sortie fly` again";
             self.stage = Stage::Refused(vec![why.to_owned()]);
         }
     }
