@@ -32,7 +32,8 @@ pub(super) use attach::attach;
 use no_session::Socket;
 #[cfg(not(unix))]
 pub(super) use no_session::attach;
-pub(super) use resume::take_over;
+use resume::take_over;
+pub(super) use resume::watch;
 use screen::Screen;
 #[cfg(unix)]
 use socket::Socket;
@@ -43,7 +44,8 @@ const POSITION_S: f64 = 0.2;
 pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let plan = read(&arguments.spec, arguments.dir.as_deref())?;
     if arguments.resume {
-        return take_over(&plan, &arguments.link, arguments.json);
+        let lock = runs::hold(&runs::folder(&plan.folder), "fly")?;
+        return take_over(&plan, &arguments.link, arguments.json, lock);
     }
     let folder = runs::folder(&plan.folder);
     let _lock = runs::hold(&folder, "fly")?;

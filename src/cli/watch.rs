@@ -18,5 +18,5 @@ pub(super) fn run(arguments: &args::Watch) -> Result<(), Failure> {
         return Ok(());
     }
     let plan = fly::read_folder(arguments.dir.clone())?;
-    fly::take_over(&plan, &arguments.link, arguments.json)
+    fly::watch(&plan, &arguments.link, arguments.json)
 }

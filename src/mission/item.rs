@@ -4,7 +4,7 @@ use crate::autopilot::{
     Airframe, Autopilot, Facts, ParameterRow, Version, facts, frame, in_unit_of, other_name,
     parameter,
 };
-use crate::geodesy::LatLon;
+use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 
 /// One item, field by field as in `MISSION_ITEM_INT`. Its sequence number is its
 /// place in the list; `current` belongs to the transfer, not to the item.
@@ -94,6 +94,12 @@ impl VehicleMission {
             autopilot_version,
             ..self
         }
+    }
+
+    /// Where its rally points are, in the plane of a frame.
+    pub(crate) fn rally_points(&self, frame: &LocalFrame) -> impl Iterator<Item = EastNorth> {
+        let all = self.rally.iter().filter_map(Item::place);
+        all.map(|place| frame.to_plan(place))
     }
 
     /// The value of a parameter in the unit of that name, if the mission has it: under the name, or

@@ -91,6 +91,8 @@ pub(crate) struct Pilot {
     weathering: Weathering,
     frame: LocalFrame,
     home_m: f64,
+    /// East and north of its rally points, metres.
+    rally_m: Vec<[f64; 2]>,
     body: Body,
     /// What carries it, while a wing does.
     wing: Option<Wing>,
@@ -136,6 +138,7 @@ impl Pilot {
             surroundings,
             frame: LocalFrame::new(LatLon::of_e7(home.x, home.y)),
             home_m,
+            rally_m: Vec::new(),
             body: Body {
                 at_m: [0.0, 0.0, home_m],
                 velocity_mps: [0.0; 3],

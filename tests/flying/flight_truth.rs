@@ -265,6 +265,30 @@ fn a_return_is_not_ordered_where_the_way_to_a_rally_point_is_not_clear() {
 }
 
 #[test]
+fn a_return_that_ends_at_a_rally_point_says_so_and_its_descent_there_breaks_no_limit() {
+    let mut fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
+    fleet[0].return_amsl = Some(Amsl(520.0));
+    let mut plan = plan(fleet, OnLinkLoss::Continue);
+    plan.spec.on_alarm.battery = answer(Who::Vehicle, Action::Return);
+    // South of alpha's way, nearer than its home.
+    plan.spec.rally = vec![Rally {
+        place: place(36.297, -84.249),
+        agl: Agl(60.0),
+    }];
+    let plan = plan_spec(plan.spec);
+    let mut sky = sky(&plan);
+    sky.fly_to(78.0);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    sky.fly_out();
+    let report = plan.judge(&sky);
+    let ended = "landed at a rally point: it was ordered to return";
+    assert!(sky.says("alpha", ended), "{:?}", sky.events);
+    assert!(!sky.says("alpha", "clearance alarm"), "{:?}", sky.events);
+    let broken: Vec<_> = report.margins.iter().filter(|m| !m.ok).collect();
+    assert!(broken.is_empty(), "{broken:?}");
+}
+
+#[test]
 fn a_vehicle_that_waits_on_the_ground_is_disarmed_where_others_are_held() {
     for action in [Action::Hold, Action::Return, Action::Land] {
         let mut plan = crossed();
@@ -315,6 +339,60 @@ fn a_vehicle_that_lands_by_its_mode_and_not_by_its_height_is_named() {
     let why = "landing not confirmed: it is in the mode, and has not come down for";
     assert_eq!(count(&sky, "alpha", why), 1, "{:?}", sky.events);
     assert_eq!(count(&sky, "bravo", why), 0, "{:?}", sky.events);
+}
+
+#[test]
+fn an_autopilot_that_is_started_again_in_the_air_or_whose_clock_jumps_is_named() {
+    let plan = two();
+    let jumps: [(u32, &str); 3] = [
+        (1_000_000, "its clock went on by 1000 s more than it should"),
+        (0_u32.wrapping_sub(20_000), "its clock went back by 20 s"),
+        (0, "its clock"),
+    ];
+    for (by_ms, text) in jumps {
+        let mut sky = sky(&plan);
+        let switch = change(&mut sky, move |_, message| {
+            if let Message::Flight(FlightMessage::Position(position)) = message {
+                position.boot_ms = position.boot_ms.wrapping_add(by_ms);
+            }
+        });
+        sky.fly_to(60.0);
+        switch.set(true);
+        sky.fly_to(90.0);
+        let times = usize::from(by_ms != 0);
+        assert_eq!(count(&sky, "alpha", text), times, "{:?}", sky.events);
+        assert_eq!(count(&sky, "bravo", "its clock"), 0, "{:?}", sky.events);
+    }
+}
+
+#[test]
+fn a_mission_of_as_many_items_that_another_station_is_heard_to_write_is_an_alarm() {
+    let plan = two();
+    for (system, mission_type, alarms) in [(42, 0, 1), (42, 1, 0), (US.system, 0, 0)] {
+        let mut sky = sky(&plan);
+        let mut is_due = false;
+        sky.down = Some(Box::new(move |now, from, message| {
+            let is_beat = matches!(message, Message::Heartbeat(_));
+            let ack = MissionMessage {
+                target: Address {
+                    system,
+                    component: 190,
+                },
+                mission_type,
+                body: Body::Ack {
+                    result: MissionResult::ACCEPTED,
+                    opaque_id: 0,
+                },
+            };
+            let says = is_beat && from.system == 1 && !is_due && now > Time(60_000);
+            is_due |= says;
+            let ack = says.then_some((from, Message::Mission(ack)));
+            ack.into_iter().chain([(from, message)]).collect()
+        }));
+        sky.fly_to(90.0);
+        let text = "acknowledged a mission, or that it was cleared, to system 42";
+        assert_eq!(count(&sky, "alpha", text), alarms, "{:?}", sky.events);
+    }
 }
 
 #[test]

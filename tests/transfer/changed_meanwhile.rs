@@ -121,6 +121,35 @@ fn an_item_that_changes_after_it_was_read_is_found() {
 }
 
 #[test]
+fn a_list_that_is_never_acknowledged_and_held_otherwise_is_given_up_before_its_deadline() {
+    for profile in PROFILES {
+        let mission = mission(profile, 20);
+        let mut scene = Scene::new(12, CLEAR, vehicle(profile), &mission);
+        scene.unacknowledged = true;
+        scene.lifted = Some(3);
+        let report = scene.run();
+        let Verdict::Failed(failure) = &report.verdict else {
+            panic!("{profile:?} {report:?}")
+        };
+        let text = "mission: all items were sent 6 times and never acknowledged, and the vehicle holds \
+                    something else (differences: 1)";
+        assert_eq!(failure.to_string(), text, "{profile:?}");
+        assert!(report.seconds < 60.0, "{profile:?} {report:?}");
+    }
+}
+
+#[test]
+fn a_list_that_is_held_as_it_was_sent_needs_no_acknowledgement() {
+    for profile in PROFILES {
+        let mission = mission(profile, 20);
+        let mut scene = Scene::new(12, CLEAR, vehicle(profile), &mission);
+        scene.unacknowledged = true;
+        let report = scene.run();
+        assert_eq!(report.verdict, Verdict::Verified, "{profile:?} {report:?}");
+    }
+}
+
+#[test]
 fn a_list_that_changes_again_and_again_is_given_up() {
     let mission = mission(Profile::Px4, 20);
     let mut scene = Scene::new(11, CLEAR, vehicle(Profile::Px4), &mission);

@@ -109,6 +109,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) deaf: bool,
     /// Answers to missions are never given.
     mute: bool,
+    /// Uploads are never acknowledged.
+    pub(crate) unacknowledged: bool,
     /// The vehicle gives this row of its mission back one metre higher, after it gave it so often.
     pub(crate) lifted: Option<u16>,
     pub(crate) lifted_after: u32,
@@ -133,6 +135,7 @@ impl<'a> Scene<'a> {
             event: Event::Nothing,
             stranger: Vec::new(),
             mute: false,
+            unacknowledged: false,
             lifted: None,
             lifted_after: 0,
             given: 0,
@@ -159,7 +162,9 @@ impl<'a> Scene<'a> {
             }
             while let Some(mut message) = self.vehicle.poll_transmit() {
                 self.tamper(&mut message);
-                if !(self.mute && matches!(message, Message::Mission(_))) {
+                if !(self.mute && matches!(message, Message::Mission(_))
+                    || self.unacknowledged && is_ack(&message))
+                {
                     let to: &[usize] = if self.deaf && is_for_stranger(&message) {
                         &[OTHER]
                     } else {
@@ -234,6 +239,13 @@ impl<'a> Scene<'a> {
             self.ether.send(OTHER, name, to, &message);
         }
     }
+}
+
+fn is_ack(message: &Message) -> bool {
+    let Message::Mission(MissionMessage { body, .. }) = message else {
+        return false;
+    };
+    matches!(body, Body::Ack { .. })
 }
 
 fn is_for_stranger(message: &Message) -> bool {

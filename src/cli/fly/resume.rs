@@ -1,21 +1,52 @@
 //! A flight whose ground station crashed is taken over in the air.
 
+use std::thread;
+use std::time::{Duration, Instant};
+
 use super::{POSITION_S, Screen};
-use crate::cli::folder::{self, runs};
+use crate::cli::folder;
+use crate::cli::folder::runs::{self, Held};
 use crate::cli::links;
 use crate::cli::print::failure::Failure;
 use crate::flight::{Driver, Fleet, FlightPlan, Interrupted, Options, Outcome, Underway, unix_ms};
 use crate::link::Links;
 use crate::spec::Link;
 
-/// Takes over the flight of a plan: from its record, and from what its vehicles report.
-pub(in crate::cli) fn take_over(
+/// Of several that would take a flight over at once one does, and the others wait for this long until they
+/// can attach to it.
+const RACE: Duration = Duration::from_secs(20);
+
+/// Attaches to the session of a flight or, where there is none, takes the flight over.
+pub(in crate::cli) fn watch(
     plan: &FlightPlan,
     links: &[String],
     json: bool,
 ) -> Result<(), Failure> {
     let folder = runs::folder(&plan.folder);
-    let _lock = runs::hold(&folder, "fly")?;
+    let began = Instant::now();
+    loop {
+        if super::attach(&folder)? {
+            return Ok(());
+        }
+        let lock = match began.elapsed() < RACE {
+            true => runs::try_hold(&folder, "fly")?,
+            false => Some(runs::hold(&folder, "fly")?),
+        };
+        if let Some(lock) = lock {
+            return take_over(plan, links, json, lock);
+        }
+        thread::sleep(Duration::from_millis(200));
+    }
+}
+
+/// Takes over the flight of a plan: from its record, and from what its vehicles report.
+pub(in crate::cli) fn take_over(
+    plan: &FlightPlan,
+    links: &[String],
+    json: bool,
+    _lock: Held,
+) -> Result<(), Failure> {
+    let folder = runs::folder(&plan.folder);
     let underway = Underway::find(folder.clone())?.ok_or_else(|| {
         let message = format!(
             "{}: no flight of this plan is under way (links.json is missing); nothing was sent",

@@ -59,6 +59,20 @@ pub(crate) struct Held {
 /// # Errors
 /// Another one has it, or its file cannot be written.
 pub(crate) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
+    try_hold(runs, command)?.ok_or_else(|| {
+        let message = format!(
+            "another `sortie {command}` is at work on this plan (it holds {}); nothing was started",
+            lock_path(runs, command).display()
+        );
+        Failure::new(Failure::TRANSFER, message)
+    })
+}
+
+/// The same; none if another one has it.
+///
+/// # Errors
+/// Its file cannot be written.
+pub(crate) fn try_hold(runs: &Path, command: &str) -> Result<Option<Held>, Failure> {
     let path = lock_path(runs, command);
     let unwritable = |error: std::io::Error| {
         let message = format!("cannot write {}: {error}", path.display());
@@ -69,17 +83,11 @@ pub(crate) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
     let file = options.create(true).truncate(false).write(true).open(&path);
     let file = file.map_err(unwritable)?;
     match file.try_lock() {
-        Ok(()) => Ok(Held { _file: file }),
-        Err(TryLockError::WouldBlock) => {
-            let message = format!(
-                "another `sortie {command}` is at work on this plan (it holds {}); nothing was started",
-                path.display()
-            );
-            Err(Failure::new(Failure::TRANSFER, message))
-        }
+        Ok(()) => Ok(Some(Held { _file: file })),
+        Err(TryLockError::WouldBlock) => Ok(None),
         // A file system without locks keeps nobody apart.
         Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => {
-            Ok(Held { _file: file })
+            Ok(Some(Held { _file: file }))
         }
         Err(TryLockError::Error(error)) => Err(unwritable(error)),
     }

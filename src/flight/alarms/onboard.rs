@@ -2,7 +2,10 @@
 
 use crate::flight::record::Plan;
 use crate::flight::session::modes;
-use crate::link::{Address, Command, CommandResult, FlightMessage, Heartbeat, Message};
+use crate::link::{
+    Address, Body, Command, CommandResult, FlightMessage, Heartbeat, List, Message, MissionMessage,
+    MissionResult,
+};
 use crate::mission::VehicleMission;
 
 /// `MAV_STATE_CRITICAL`: from here on the autopilot acts in an emergency.
@@ -25,6 +28,8 @@ pub(super) struct Onboard {
     id: Option<u32>,
     /// What differs, and since when.
     differs: Option<(String, f64)>,
+    /// The other station that it was heard to take a mission from.
+    written_by: Option<u8>,
     beat: Option<Heartbeat>,
     /// Whether it was in its mission, and the name of the mode after it.
     was_in_mission: bool,
@@ -45,6 +50,7 @@ impl Onboard {
             total: None,
             id: None,
             differs: None,
+            written_by: None,
             beat: None,
             was_in_mission: false,
             cause: None,
@@ -75,12 +81,28 @@ impl Onboard {
         if !flies {
             // What it holds before its flight was compared item by item.
             (self.total, self.id, self.differs) = (None, None, None);
+            self.written_by = None;
         }
         match message {
             Message::Heartbeat(beat) => self.beat(t_s, *beat, mission),
             Message::MissionCurrent {
                 total, opaque_ids, ..
             } => self.current(t_s, *total, opaque_ids[0]),
+            // It acknowledges what was written or cleared, not what was read.
+            Message::Mission(MissionMessage {
+                target,
+                mission_type,
+                body:
+                    Body::Ack {
+                        result: MissionResult::ACCEPTED,
+                        ..
+                    },
+            }) if target.system != 0
+                && target.system != us.system
+                && *mission_type == List::Mission.mission_type() =>
+            {
+                self.written_by = Some(target.system);
+            }
             Message::StatusText { text, .. } if explains(text) => {
                 self.cause = Some((format!("the vehicle itself: {text}"), t_s));
             }
@@ -124,7 +146,7 @@ impl Onboard {
         if is_known && self.next.as_ref().is_some_and(|next| is(next.items)) {
             self.taken_up = self.next.take();
             self.items = usize::from(total);
-            self.id = None;
+            (self.id, self.written_by) = (None, None);
         }
         if is_known && is(self.items) && self.total.is_none() {
             self.total = Some(total);
@@ -156,7 +178,13 @@ impl Onboard {
     pub(super) fn mission(&self, t_s: f64) -> Option<String> {
         let differs = self.differs.as_ref();
         let differs = differs.filter(|(_, since_s)| t_s - since_s >= HEARD_OF_S);
-        differs.map(|(what, _)| what.clone())
+        let differs = differs.map(|(what, _)| what.clone());
+        let written = || {
+            let system = self.written_by?;
+            let what = "acknowledged a mission, or that it was cleared, to system";
+            Some(format!("{what} {system}: it may fly another one"))
+        };
+        differs.or_else(written)
     }
 
     /// Who sent it on its mission, if that was heard.

@@ -156,13 +156,22 @@ impl TubeWatch {
     }
 }
 
+impl Watched<'_> {
+    /// Whether it comes down at a rally point, as it was ordered to return.
+    fn comes_down_at_rally(&self, here: &Here) -> bool {
+        let mut points = self.mission.rally_points(self.plan.frame());
+        !self.returns.is_empty() && points.any(|at| at.distance_m(here.point.at) < COLUMN_M)
+    }
+}
+
 impl Alarms<'_> {
     /// Corridor, clearance and lateness at a position.
     pub(super) fn look_at_tube(&mut self, vehicle: usize, here: &Here) {
         let min_agl_m = self.spec.area.min_agl.0;
         let slack_s = self.spec.separation.time_slack_s;
         let of = &mut self.vehicles[vehicle];
-        let is_due = of.duty.flies && of.duty.is_up && !of.tube.is_in_column(&of.plan, here);
+        let is_in_column = of.tube.is_in_column(&of.plan, here) || of.comes_down_at_rally(here);
+        let is_due = of.duty.flies && of.duty.is_up && !is_in_column;
         let is_on_plan = of.is_on_plan();
         let slip_s = of.tube.slip_s(&here.fix);
         let (corridor, late) = if is_due && !of.duty.is_ordered {

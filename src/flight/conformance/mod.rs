@@ -41,6 +41,8 @@ pub(super) struct FlownTrack<'a> {
     risen: usize,
     /// The last position on the way to its landing.
     landed: Option<usize>,
+    /// The first position of its descent at a rally point; their number if it landed at none.
+    at_rally: usize,
     pub(super) airframe: Airframe,
     /// As the spec has it; none for a stranger.
     pub(super) vehicle: Option<&'a Vehicle>,
@@ -100,6 +102,7 @@ impl<'a> FlownTrack<'a> {
             plan_of: flight.plan_of_each(),
             risen: 0,
             landed: None,
+            at_rally: flight.flown.fixes.len(),
             airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
             vehicle: this,
             stations: index.and_then(|index| world.stations.get(index).cloned()),
@@ -107,6 +110,9 @@ impl<'a> FlownTrack<'a> {
         };
         track.risen = track.count_rising();
         track.landed = (0..track.points.len()).rfind(|&index| track.flies_to_landing(index));
+        if flight.flown.end == End::ReturnedToRally {
+            track.at_rally = track.comes_to_rally(spec, world);
+        }
         track
     }
 
@@ -156,10 +162,26 @@ impl<'a> FlownTrack<'a> {
                     let item = self.fixes()[index].item;
                     let plan = self.plan(index);
                     let puts_down = plan.is_some_and(|plan| plan.dips_at(item, at));
-                    !self.rises(index) && !near(home, COLUMN_M) && !near(end, end_m) && !puts_down
+                    let comes_down = near(home, COLUMN_M) || near(end, end_m);
+                    !self.rises(index) && !comes_down && !puts_down && index < self.at_rally
                 }
             }
         })
+    }
+
+    /// The first position of its descent at the rally point where it landed.
+    fn comes_to_rally(&self, spec: &MissionSpec, world: &World) -> usize {
+        let pads = spec
+            .rally
+            .iter()
+            .map(|rally| world.frame.to_plan(rally.place));
+        let pads: Vec<EastNorth> = pads.collect();
+        let is_far =
+            |point: &PlanPoint| pads.iter().all(|pad| pad.distance_m(point.at) >= COLUMN_M);
+        self.points
+            .iter()
+            .rposition(is_far)
+            .map_or(0, |index| index + 1)
     }
 
     /// Whether it is on its takeoff.

@@ -104,6 +104,7 @@ impl FlownTrack<'_> {
             End::StoppedAfterHold,
             End::LandedEarly,
             End::Returned,
+            End::ReturnedToRally,
         ];
         left.contains(&self.flight.flown.end)
     }

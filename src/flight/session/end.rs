@@ -22,6 +22,8 @@ pub enum End {
     LandedEarly,
     /// It was ordered to return to launch, and landed there.
     Returned,
+    /// It was ordered to return, and landed at a rally point.
+    ReturnedToRally,
     /// It was left flying.
     LeftFlying,
     /// Something else; what, in words.
@@ -40,6 +42,7 @@ impl End {
             Self::StoppedAfterHold => "ordered to hold, then stopped its motors",
             Self::LandedEarly => "landed early",
             Self::Returned => "returned",
+            Self::ReturnedToRally => "returned to a rally point",
             Self::LeftFlying => "left flying",
             Self::Failed(why) => why,
         }
@@ -56,6 +59,7 @@ impl End {
             Self::StoppedAfterHold,
             Self::LandedEarly,
             Self::Returned,
+            Self::ReturnedToRally,
             Self::LeftFlying,
         ];
         let found = known.into_iter().find(|end| end.words() == words);
@@ -71,6 +75,7 @@ impl End {
             Self::StoppedAfterHold => "stopped its motors after it was ordered to hold",
             Self::LandedEarly => "landed as ordered",
             Self::Returned => "landed at home as ordered",
+            Self::ReturnedToRally => "landed at a rally point: it was ordered to return",
             Self::LeftFlying => "is left flying",
             Self::NotFlown => "was not flown",
             Self::Failed(why) => why,

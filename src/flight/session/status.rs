@@ -139,7 +139,7 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         (Stage::Flying, None) if vehicle.in_mission => "flies",
         (Stage::Flying, None) => "off mission",
         (Stage::Ended, _) => match vehicle.flown.end {
-            End::Landed | End::LandedEarly | End::Returned => "landed",
+            End::Landed | End::LandedEarly | End::Returned | End::ReturnedToRally => "landed",
             End::Loitering => "loiters",
             End::Held => "holds",
             End::StoppedAfterHold => "stopped",

@@ -154,6 +154,18 @@ pub enum Failure {
         /// Its last answer while it took the items.
         complaint: Option<MissionResult>,
     },
+    /// Every item was sent again and again, and the vehicle holds something else.
+    #[error(
+        "{list}: all items were sent {times} times and never acknowledged, and the vehicle holds something else (differences: {count})"
+    )]
+    NeverConfirmed {
+        /// Which.
+        list: List,
+        /// How many differences.
+        count: usize,
+        /// How often.
+        times: u32,
+    },
     /// The list changed again and again after it had been read back.
     #[error(
         "{list}: changed on board {times} times after it was read back: another station writes to the vehicle; upload again while none does"

@@ -72,6 +72,8 @@ pub struct Session<'a> {
     /// Index into [`ORDER`].
     at: usize,
     rounds: u32,
+    /// Uploads of it that were never confirmed and read back otherwise.
+    unconfirmed: u32,
     pauses: u32,
     complaint: Option<MissionResult>,
     acknowledged: bool,
@@ -130,6 +132,7 @@ impl<'a> Session<'a> {
             vehicle: None,
             at: 0,
             rounds: 0,
+            unconfirmed: 0,
             pauses: 0,
             complaint: None,
             acknowledged: false,
@@ -363,6 +366,7 @@ impl<'a> Session<'a> {
             Discovered::Ready(address, heartbeat) => {
                 self.vehicle = Some((address, heartbeat));
                 (self.at, self.rounds, self.pauses) = (0, 0, 0);
+                self.unconfirmed = 0;
                 self.is_last_look = false;
                 self.request_version();
                 if self.version == Version::One {

@@ -1,6 +1,7 @@
 //! What a ground station orders: motors, modes, another item, another mission.
 
 use super::{Doing, Hold, Pilot};
+use crate::geodesy::LatLon;
 use crate::link::Time;
 use crate::mission::Item;
 use crate::simulator::dynamics::steering::Leg;
@@ -77,6 +78,15 @@ impl Pilot {
         }
     }
 
+    /// Takes in where its rally points are.
+    pub(in crate::simulator) fn set_rally(&mut self, points: &[Item]) {
+        let at = points.iter().map(|point| {
+            let at = self.frame.to_plan(LatLon::of_e7(point.x, point.y));
+            [at.east_m, at.north_m]
+        });
+        self.rally_m = at.collect();
+    }
+
     fn enter(&mut self, mode: Mode, items: &[Item]) {
         let here = self.sensed();
         match mode {
@@ -116,12 +126,17 @@ impl Pilot {
         ]
     }
 
-    /// Home at the altitude of a return, or at the present one if that is higher.
+    /// Home or the rally point that is nearer, at the altitude of a return, or at the present one if that
+    /// is higher.
     pub(crate) fn return_home(&mut self, here: [f64; 3]) {
         let amsl_m = here[2].max(self.home_m + self.settings.limits().return_m);
+        let away_m = |of: &[f64; 2]| (of[0] - here[0]).hypot(of[1] - here[1]);
+        let ends = self.rally_m.iter().copied().chain([[0.0; 2]]);
+        let nearest = ends.min_by(|a, b| away_m(a).total_cmp(&away_m(b)));
+        let [east_m, north_m] = nearest.unwrap_or_default();
         let leg = Leg {
             from_m: [here[0], here[1], amsl_m],
-            to_m: [0.0, 0.0, amsl_m],
+            to_m: [east_m, north_m, amsl_m],
         };
         let hold = Hold::Land;
         self.doing = Doing::Flying { leg, hold };

@@ -139,9 +139,12 @@ impl Vehicle {
     }
 
     fn set_mode(&mut self, custom_mode: u32) -> bool {
-        let items = self.items(List::Mission).to_vec();
+        let [items, rally] = [List::Mission, List::Rally].map(|list| self.items(list).to_vec());
         let pilot = self.pilot.as_mut();
-        pilot.is_some_and(|pilot| pilot.set_mode(custom_mode, &items))
+        pilot.is_some_and(|pilot| {
+            pilot.set_rally(&rally);
+            pilot.set_mode(custom_mode, &items)
+        })
     }
 
     fn set_named(&mut self, mode: Mode) -> bool {

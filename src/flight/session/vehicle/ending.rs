@@ -120,21 +120,29 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// It stopped its motors after it was ordered to return: at home, or elsewhere.
+    /// It stopped its motors after it was ordered to return: at home, at a rally point, or elsewhere.
     pub(crate) fn returned(&self) -> End {
-        let home = self.of.reference.waypoints.first();
-        let frame = self.of.reference.frame();
-        let away_m = self
-            .latest
-            .zip(home)
-            .map_or(f64::INFINITY, |((_, fix), home)| {
-                frame.to_plan(fix.place).distance_m(home.point.at)
-            });
-        if away_m <= arrival::landing_m(self.of.mission.airframe) {
+        let near_m = arrival::landing_m(self.of.mission.airframe);
+        let away_m = self.latest.map(|(_, fix)| self.away_from_returns_m(fix));
+        let (home_m, rally_m) = away_m.unwrap_or((f64::INFINITY, f64::INFINITY));
+        if home_m <= near_m {
             End::Returned
+        } else if rally_m <= near_m {
+            End::ReturnedToRally
         } else {
-            End::Failed(format!("stopped its motors {away_m:.0} m from its home"))
+            End::Failed(format!("stopped its motors {home_m:.0} m from its home"))
         }
+    }
+
+    /// How far it is over the ground from its home, and from the nearest rally point, metres.
+    pub(super) fn away_from_returns_m(&self, fix: Fix) -> (f64, f64) {
+        let frame = self.of.reference.frame();
+        let at = frame.to_plan(fix.place);
+        let home = self.of.reference.waypoints.first();
+        let home_m = home.map_or(f64::INFINITY, |home| home.point.at.distance_m(at));
+        let rally = self.of.mission.rally_points(frame);
+        let rally_m = rally.map(|place| place.distance_m(at));
+        (home_m, rally_m.fold(f64::INFINITY, f64::min))
     }
 
     /// A plane comes down on the approach of its mission, the only one that was judged.

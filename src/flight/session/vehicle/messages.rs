@@ -175,7 +175,12 @@ impl FlightVehicle<'_> {
             self.heed_restart(position.boot_ms);
         }
         self.own_clock = Some((position.boot_ms, flight_ms));
-        let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
+        let boot_ms = f64::from(position.boot_ms);
+        match self.offset.jump_s(boot_ms, flight_ms) {
+            Some(jump_s) if t0_ms.is_some() => self.said.push_back(clock_jumped(jump_s)),
+            _ => {}
+        }
+        let at_ms = self.offset.align(boot_ms, flight_ms);
         let fix = Fix {
             t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
             place: position.place(),
@@ -234,5 +239,16 @@ impl FlightVehicle<'_> {
             }
             _ => {}
         }
+    }
+}
+
+/// What an operator reads of a clock that jumped, seconds.
+fn clock_jumped(jump_s: f64) -> String {
+    match jump_s < 0.0 {
+        true => format!(
+            "its clock went back by {:.0} s: its autopilot may have been started again",
+            -jump_s
+        ),
+        false => format!("its clock went on by {jump_s:.0} s more than it should"),
     }
 }

@@ -2,7 +2,6 @@
 
 use super::{FlightVehicle, Instruction};
 use crate::flight::record::Fix;
-use crate::geodesy::LocalFrame;
 
 /// A vehicle that is not seen to get on for this long is reported, seconds; a wing, which circles and
 /// turns, later.
@@ -28,7 +27,8 @@ pub(super) struct Headway {
 impl FlightVehicle<'_> {
     /// Reports once that it is in the mode of its order and does not get on.
     pub(super) fn check_headway(&mut self, fix: Fix, in_mode: bool) {
-        let away_m = self.away_from_return_m(fix);
+        let (home_m, rally_m) = self.away_from_returns_m(fix);
+        let away_m = home_m.min(rally_m);
         let now = Headway {
             since_s: fix.t_s,
             amsl_m: fix.amsl.0,
@@ -73,17 +73,5 @@ impl FlightVehicle<'_> {
             ),
         };
         self.said.push_back(text);
-    }
-
-    /// How far it is from its home, or from the nearest rally point, metres.
-    fn away_from_return_m(&self, fix: Fix) -> f64 {
-        let frame: &LocalFrame = self.of.reference.frame();
-        let at = frame.to_plan(fix.place);
-        let home = self.of.reference.waypoints.first();
-        let home = home.map(|home| home.point.at);
-        let rally = self.of.mission.rally.iter().filter_map(|item| item.place());
-        let rally = rally.map(|place| frame.to_plan(place));
-        let away = home.into_iter().chain(rally).map(|of| of.distance_m(at));
-        away.fold(f64::INFINITY, f64::min)
     }
 }

@@ -16,6 +16,8 @@ use crate::spec::Autopilot;
 const PAUSE_MS: u64 = 2000;
 /// Confirmed uploads of one list that read back otherwise before it is given up.
 const MAX_ROUNDS: u32 = 3;
+/// The same of uploads that were not confirmed: messages that are lost may explain some of them.
+const MAX_UNCONFIRMED: u32 = 6;
 /// Wait for texts of PX4 after the last read-back, milliseconds: it checks a mission after
 /// accepting it.
 const LISTEN_MS: u64 = 1200;
@@ -155,14 +157,17 @@ impl<'a> Session<'a> {
             let failure = Failure::ChangedMeanwhile { list, times };
             self.differences = found;
             self.end(now, Verdict::Failed(failure));
-        } else if self.rounds >= MAX_ROUNDS {
-            let count = found.len();
+        } else if self.rounds >= MAX_ROUNDS || self.unconfirmed >= MAX_UNCONFIRMED {
+            let (count, times) = (found.len(), self.unconfirmed);
             self.differences = found;
             let complaint = self.complaint;
-            let failure = Failure::Different {
-                list,
-                count,
-                complaint,
+            let failure = match self.rounds >= MAX_ROUNDS {
+                true => Failure::Different {
+                    list,
+                    count,
+                    complaint,
+                },
+                false => Failure::NeverConfirmed { list, count, times },
             };
             self.end(now, Verdict::Failed(failure));
         } else {
@@ -174,9 +179,9 @@ impl<'a> Session<'a> {
     fn again(&mut self, now: Time, must_be_empty: bool) {
         self.changes += u32::from(self.is_last_look);
         self.is_last_look = false;
-        // Without a confirmation of the vehicle a difference is likely; the deadline bounds that.
         let spoke = self.acknowledged || self.complaint == Some(MissionResult::ERROR);
         self.rounds += u32::from(spoke);
+        self.unconfirmed += u32::from(!spoke);
         self.acknowledged = false;
         match self.route() {
             Some(route) if must_be_empty => {
@@ -187,7 +192,8 @@ impl<'a> Session<'a> {
     }
 
     fn next_list(&mut self, now: Time) {
-        (self.rounds, self.pauses, self.acknowledged) = (0, 0, false);
+        (self.rounds, self.unconfirmed, self.pauses) = (0, 0, 0);
+        self.acknowledged = false;
         let is_last = self.at + 1 == ORDER.len();
         if is_last && self.is_last_look {
             self.conclude(now);
