@@ -315,6 +315,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     stops: Stops::ARDUCOPTER,
     skips: SKIPS,
     heights_at_once: None,
+    rises_from_boot: None,
     behaviour: COPTER_BEHAVIOUR,
     buffer_m: COPTER_BUFFER_M,
 };
@@ -361,6 +362,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     stops: Stops::NONE,
     skips: Skips::NONE,
     heights_at_once: None,
+    rises_from_boot: None,
     behaviour: Behaviour {
         takeoff_early_s: TAKEOFF_EARLY_S,
         takeoff_late_s: NONE,

@@ -197,6 +197,9 @@ pub struct Facts {
     /// The versions in which a copter is at the altitude of the end of a leg soon after its beginning: a mission must
     /// name such a version to be judged and flown by it.
     pub heights_at_once: Option<VersionRange>,
+    /// The altitude that its control follows rises from 0 at its boot, by this parameter, m/s: before it has come to that of
+    /// its home it sinks behind its takeoff.
+    pub rises_from_boot: Option<&'static str>,
     /// How it deviates from straight legs flown on time.
     pub behaviour: Behaviour,
     /// Buffer to every limit unless the spec says otherwise, metres: for errors of position and

@@ -67,6 +67,16 @@ pub fn read_regular(path: &Path) -> io::Result<String> {
     Ok(text)
 }
 
+/// Reads a regular file as bytes.
+///
+/// # Errors
+/// As [`open_regular`].
+pub fn read_regular_bytes(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_regular(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
 /// A file name as one word of a shell.
 #[must_use]
 pub fn shell_word(name: &str) -> String {

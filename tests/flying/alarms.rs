@@ -680,7 +680,7 @@ fn a_vehicle_whose_heartbeat_is_a_second_behind_its_start_is_not_said_to_stay_at
         is_up: true,
         ..alarms::Duty::default()
     };
-    alarms.note(0, starts);
+    alarms.note(0.0, 0, starts);
     for t_s in 1..8 {
         for (index, vehicle) in plan.spec.vehicles.iter().enumerate() {
             let beat = Heartbeat {
@@ -710,7 +710,7 @@ fn a_vehicle_whose_heartbeat_is_a_second_behind_its_start_is_not_said_to_stay_at
                 items: 0,
                 boot_ms: Some(1000 * t_s),
             };
-            alarms.position(index, fix, &position);
+            alarms.position(fix.t_s, index, fix, &position);
         }
         alarms.look(f64::from(t_s));
         while let Some(alarm) = alarms.poll() {

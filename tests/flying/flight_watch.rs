@@ -71,7 +71,7 @@ fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers
         "{before:?}"
     );
     assert!(!has_event(&before, "link lost"));
-    // It left its socket and half a line.
+    // It left its socket, half a line, and what a disk has behind it after a loss of power.
     assert!(runs.join("session.sock").exists());
     let notice = json(&runs.join("links.json"));
     let record = runs.join(notice["record"].as_str().expect("a name"));
@@ -80,6 +80,7 @@ fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers
         .open(&record)
         .expect("the record");
     file.write_all(b"{\"t_s\":9.1,\"vehi").expect("written");
+    file.write_all(&[0; 64]).expect("written");
     let output = sortie(folder.path(), &["fly", "lanes.yaml", "--resume", "--force"]);
     assert_eq!(output.status.code(), Some(2), "--force is for the ground");
     std::thread::sleep(Duration::from_millis(6500));
@@ -89,6 +90,8 @@ fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers
         shown.contains("the flight is taken over"),
         "{shown}{errors}"
     );
+    let lost = "the last 79 bytes of the record could not be read: they are in ";
+    assert!(shown.contains(lost), "{shown}{errors}");
     for line in ["alpha: landed, motors stopped", "bravo: loiters"] {
         assert!(shown.contains(line), "{line} in {shown}{errors}");
     }
@@ -222,6 +225,49 @@ fn a_terminal_that_goes_leaves_the_flight_alone_and_the_next_one_commands() {
         "{shown}"
     );
     assert!(flight.0.wait().expect("it ends").success());
+}
+
+#[test]
+fn of_two_that_take_a_flight_over_one_does_and_knows_what_was_ordered_before() {
+    let (folder, runs) = planned("lanes", &lanes("-84.262"));
+    let (_vehicles, [alpha, bravo]) = vehicles(folder.path());
+    let fly = [
+        "fly",
+        "lanes.yaml",
+        "--upload",
+        "--set-params",
+        &alpha,
+        &bravo,
+    ];
+    let mut flight = begin(folder.path(), &fly);
+    wait_for(&runs, "alpha", 6.0);
+    let mut terminal = Terminal::attach(folder.path());
+    std::thread::sleep(Duration::from_millis(800));
+    terminal.order("l");
+    let is_ordered = |lines: &[Value]| lines.iter().any(|line| line["order"] == "land");
+    while !is_ordered(&lines(&runs)) {
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    std::thread::sleep(Duration::from_millis(2500));
+    signal(&flight, "-KILL");
+    let _ = flight.0.wait();
+    let _ = terminal.end();
+    let watches = [0, 1].map(|_| Terminal::attach(folder.path()));
+    let ends = watches.map(Terminal::end);
+    let all: Vec<&str> = ends.iter().map(|(_, shown)| shown.as_str()).collect();
+    for (code, _) in &ends {
+        assert_eq!(*code, Some(5), "{all:?}");
+    }
+    let over = all.iter().filter(|of| of.contains("is taken over"));
+    assert_eq!(over.count(), 1, "{all:?}");
+    for line in [
+        "alpha: is watched again: it was ordered to land, and is in LAND",
+        "alpha: landed as ordered",
+        "bravo: landed as ordered",
+    ] {
+        assert!(all.iter().any(|of| of.contains(line)), "{line} in {all:?}");
+    }
+    assert!(!all.iter().any(|of| of.contains("ALARM")), "{all:?}");
 }
 
 #[test]

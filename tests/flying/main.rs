@@ -18,6 +18,7 @@ mod flight_watch;
 mod flight_wings;
 mod hostile_fleet;
 mod launch_time;
+mod orders_and_ends;
 mod replan_columns;
 mod replan_left;
 mod replan_stops;

@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use super::Socket;
 use super::show::{self, Show};
-use crate::cli::print::console::note;
+use crate::cli::print::console::{hang_up, note};
 use crate::cli::print::failure::Failure;
 use crate::flight::{Event, Fleet, FlightError, Intervention, Operator};
 use crate::link::Time;
@@ -100,6 +100,7 @@ impl Screen {
     /// as they are.
     fn interrupted(&mut self) -> Option<Intervention> {
         if self.signals.hung_up.swap(false, Ordering::Relaxed) {
+            hang_up();
             note("the terminal is gone (SIGHUP): the fleet is still monitored and recorded");
             self.has_terminal = false;
         }

@@ -6,6 +6,7 @@
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
@@ -81,9 +82,18 @@ fn print(text: &str) -> Result<(), Failure> {
     written(writeln!(stdout, "{text}").and_then(|()| stdout.flush()))
 }
 
-/// A closed pipe is the reader's choice, not an error.
+/// Whether the terminal has hung up.
+static HUNG_UP: AtomicBool = AtomicBool::new(false);
+
+/// The terminal has hung up: what cannot be written from now on is no failure of the command.
+pub(crate) fn hang_up() {
+    HUNG_UP.store(true, Ordering::Relaxed);
+}
+
+/// A closed pipe is the reader's choice, not an error; nor is a terminal that has gone.
 fn written(done: std::io::Result<()>) -> Result<(), Failure> {
     match done {
+        Err(_) if HUNG_UP.load(Ordering::Relaxed) => Ok(()),
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             let message = format!("cannot write to standard output: {error}");
             Err(Failure::new(Failure::OUTPUT, message))

@@ -252,7 +252,9 @@ impl Alarms<'_> {
         let flat = |at: EastNorth| [at.east_m, at.north_m];
         for (disc, id) in self.threats() {
             let away_m = point_segment_distance(flat(disc.center), flat(from), flat(to));
-            if away_m < disc.radius_m {
+            // The way out of a threat that it is in may begin inside.
+            let is_out = is_out_of(&disc, from, to);
+            if away_m < disc.radius_m && !is_out {
                 return Some(format!("{way} leads into {id}"));
             }
         }
@@ -329,6 +331,17 @@ impl Alarms<'_> {
             })
         })
     }
+}
+
+/// Whether a way that begins in a disc leads straight out of it.
+fn is_out_of(disc: &Disc, from: EastNorth, to: EastNorth) -> bool {
+    let (east_m, north_m) = (
+        from.east_m - disc.center.east_m,
+        from.north_m - disc.center.north_m,
+    );
+    let outwards = east_m * (to.east_m - from.east_m) + north_m * (to.north_m - from.north_m);
+    let is_in = east_m.hypot(north_m) < disc.radius_m;
+    is_in && outwards >= 0.0 && disc.center.distance_m(to) >= disc.radius_m
 }
 
 /// The climb to the altitude of the return, the leg home, and the descent.

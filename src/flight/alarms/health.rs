@@ -36,7 +36,8 @@ pub(super) struct HealthState {
     reserve: Option<f64>,
     /// Percent left, the least of its batteries, by the number of the battery; 255 for `SYS_STATUS`.
     batteries: Vec<(u8, i8)>,
-    charge: u8,
+    /// `MAV_BATTERY_CHARGE_STATE` of each.
+    charges: Vec<(u8, u8)>,
     /// What is wrong with the estimate, and how many reports in a row say so.
     estimate: Option<(String, u8)>,
     is_breached: bool,
@@ -84,7 +85,7 @@ impl HealthState {
                 // A vehicle without a battery monitor sends zeros.
                 let is_known = status.voltage_mv > 0 || status.remaining > 0;
                 if is_known && status.remaining >= 0 {
-                    self.take_battery(u8::MAX, status.remaining);
+                    take(&mut self.batteries, u8::MAX, status.remaining);
                 }
             }
             Health::Battery {
@@ -92,9 +93,9 @@ impl HealthState {
                 remaining,
                 charge,
             } => {
-                self.charge = *charge;
+                take(&mut self.charges, *id, *charge);
                 if *remaining >= 0 {
-                    self.take_battery(*id, *remaining);
+                    take(&mut self.batteries, *id, *remaining);
                 }
             }
             Health::Gps { fix, .. } => self.fix = Some(*fix),
@@ -121,13 +122,6 @@ impl HealthState {
         }
     }
 
-    fn take_battery(&mut self, id: u8, remaining: i8) {
-        match self.batteries.iter_mut().find(|(of, _)| *of == id) {
-            Some((_, known)) => *known = remaining,
-            None => self.batteries.push((id, remaining)),
-        }
-    }
-
     fn take_estimate(&mut self, why: Option<String>) {
         let before = self.estimate.take().map_or(0, |(_, count)| count);
         self.estimate = why.map(|why| (why, before.saturating_add(1)));
@@ -147,7 +141,11 @@ impl HealthState {
         let reserve = 100.0 * self.reserve.unwrap_or(RESERVE);
         let low = self.remaining().filter(|left| f64::from(*left) < reserve);
         let low = low.map(|left| format!("{left} % left, reserve {reserve:.0} %"));
-        let says = (CHARGE_CRITICAL..=CHARGE_UNHEALTHY).contains(&self.charge);
+        let critical = CHARGE_CRITICAL..=CHARGE_UNHEALTHY;
+        let says = self
+            .charges
+            .iter()
+            .any(|(_, charge)| critical.contains(charge));
         low.or_else(|| says.then(|| "the battery reports that it is critical".to_owned()))
     }
 
@@ -178,6 +176,14 @@ impl HealthState {
     /// The next critical text.
     pub(super) fn take_text(&mut self) -> Option<String> {
         self.texts.pop_front()
+    }
+}
+
+/// Takes what a battery says, by its number.
+fn take<T>(known: &mut Vec<(u8, T)>, id: u8, value: T) {
+    match known.iter_mut().find(|(of, _)| *of == id) {
+        Some((_, known)) => *known = value,
+        None => known.push((id, value)),
     }
 }
 

@@ -34,6 +34,8 @@ const OVER_S: f64 = 3.0;
 /// A position that is older than this is stale: seconds of flight, and of the wall's clock.
 const STALE_S: f64 = 1.5;
 const STALE_WALL_S: f64 = 0.75;
+/// Positions that come late by so much more, and for this long, are as bad, seconds.
+const LAG_S: f64 = 1.0;
 /// More than this between two looks was a stall of this machine, in which nobody was heard,
 /// seconds of the wall's clock.
 const STALL_WALL_S: f64 = 0.1;
@@ -66,8 +68,14 @@ pub struct Duty {
     pub is_up: bool,
     /// Whether it was ordered to leave its mission.
     pub is_ordered: bool,
+    /// Whether it was ordered to land where it is.
+    pub lands: bool,
+    /// Whether it was ordered to return.
+    pub returns: bool,
     /// Whether its flight is over.
     pub is_over: bool,
+    /// Items that it said to hold when they were read.
+    pub held: Option<usize>,
 }
 
 /// A vehicle and the plan that its flight is held against.
@@ -98,6 +106,10 @@ struct Watched<'a> {
     returns: Vec<Segment>,
     /// Time since the last position in which somebody listened, seconds of flight.
     silent_s: f64,
+    /// How late its last position came, and since when all came too late, seconds.
+    lag: Option<(f64, f64)>,
+    /// The last alarm of its mode.
+    mode_said: Option<String>,
 }
 
 /// A position, its velocity to the east, the north and up, m/s, and its height above the ground.
@@ -165,6 +177,8 @@ impl<'a> Alarms<'a> {
             here: None,
             returns: Vec::new(),
             silent_s: 0.0,
+            lag: None,
+            mode_said: None,
         };
         Self {
             spec,
@@ -187,16 +201,28 @@ impl<'a> Alarms<'a> {
     }
 
     /// Takes in what the session has a vehicle do.
-    pub fn note(&mut self, vehicle: usize, duty: Duty) {
+    pub fn note(&mut self, t_s: f64, vehicle: usize, duty: Duty) {
         if let Some(of) = self.vehicles.get_mut(vehicle) {
             if duty.flies && !of.duty.flies {
                 of.silent_s = 0.0;
+                of.onboard.begin(duty.held);
             }
             if !duty.is_ordered && of.duty.is_ordered || duty.is_over {
                 of.returns.clear();
             }
             of.duty = duty;
+            // A return that was ordered before its flight was taken over.
+            if duty.returns && duty.flies && of.returns.is_empty() {
+                self.ordered(t_s, vehicle, true);
+            }
         }
+    }
+
+    /// How high a vehicle is above the ground, metres, where the ground is known.
+    #[must_use]
+    pub fn agl_m(&self, vehicle: usize) -> Option<f64> {
+        let here = self.vehicles.get(vehicle)?.here?;
+        Some(here.agl_m).filter(|agl_m| agl_m.is_finite())
     }
 
     /// Takes in another plan that a vehicle is sent: it flies it from when it holds as many items.
@@ -226,9 +252,10 @@ impl<'a> Alarms<'a> {
         true
     }
 
-    /// Takes in a position of a vehicle, with its time on the clock of the fleet.
-    pub fn position(&mut self, vehicle: usize, fix: Fix, position: &Position) {
+    /// Takes in a position of a vehicle that came at `t_s`, with its time on the clock of the fleet.
+    pub fn position(&mut self, t_s: f64, vehicle: usize, fix: Fix, position: &Position) {
         let frame = self.world.frame;
+        let stale_s = self.stale_s();
         let Some(of) = self.vehicles.get_mut(vehicle) else {
             return;
         };
@@ -245,6 +272,9 @@ impl<'a> Alarms<'a> {
             agl_m: ground.map_or(f64::NAN, |ground| fix.amsl.above_ground(ground).0),
         };
         of.silent_s = 0.0;
+        let lag_s = t_s - fix.t_s;
+        let since_s = of.lag.map_or(t_s, |(_, since_s)| since_s);
+        of.lag = (lag_s > stale_s + LAG_S).then_some((lag_s, since_s));
         of.here = Some(here);
         let is_up = of.duty.flies && of.duty.is_up;
         let was_frozen =
@@ -275,7 +305,7 @@ impl<'a> Alarms<'a> {
         self.looked_s = Some(t_s);
         // What a machine that stalls does not hear is no silence of a vehicle.
         let listened_s = since_s.clamp(0.0, STALL_WALL_S * self.speedup.max(1.0));
-        let stale_s = STALE_S.max(STALE_WALL_S * self.speedup);
+        let stale_s = self.stale_s();
         for index in 0..self.vehicles.len() {
             let of = &mut self.vehicles[index];
             of.silent_s += listened_s;
@@ -287,6 +317,11 @@ impl<'a> Alarms<'a> {
             let is_stale = is_due && silent_s > stale_s;
             let stale = is_stale.then(|| format!("no position for {silent_s:.1} s"));
             self.set(t_s, key, stale);
+            // Those that waited while this program was stopped come at once.
+            let lag = self.vehicles[index].lag;
+            let lag = lag.filter(|(_, since_s)| duty.flies && t_s - since_s >= LAG_S);
+            let lag = lag.map(|(lag_s, _)| format!("positions come {lag_s:.1} s late"));
+            self.set(t_s, (AlarmKind::Position, index, None, "lag"), lag);
             let grounded = self.vehicles[index].grounded(t_s, self.spec.separation.time_slack_s);
             self.set(t_s, (AlarmKind::Late, index, None, "takeoff"), grounded);
             self.look_at_health(t_s, index);
@@ -295,6 +330,16 @@ impl<'a> Alarms<'a> {
             self.future_s = t_s;
             self.look_ahead(t_s);
         }
+    }
+
+    /// A vehicle left what it was ordered to do for another mode.
+    pub(super) fn left_order(&mut self, t_s: f64, vehicle: usize, text: String) {
+        self.push(t_s, (AlarmKind::Mode, vehicle, None, ""), true, text);
+    }
+
+    /// Positions that do not come for this long are stale, seconds of flight.
+    fn stale_s(&self) -> f64 {
+        STALE_S.max(STALE_WALL_S * self.speedup)
     }
 
     /// A vehicle left what it was ordered to do, and flies its mission again.
@@ -359,6 +404,11 @@ impl<'a> Alarms<'a> {
         let mission = of.onboard.mission(t_s).filter(|_| flies);
         let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
+        if mode.is_some() && mode != of.mode_said {
+            // Another mode is another alarm.
+            of.mode_said.clone_from(&mode);
+            self.standing.remove(&(AlarmKind::Mode, index, None, ""));
+        }
         for (kind, cause, text) in [
             (AlarmKind::Battery, "", battery),
             (AlarmKind::Ekf, "", estimate),

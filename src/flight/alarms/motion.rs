@@ -5,7 +5,7 @@ use crate::link::Position;
 
 /// A position that stays the same for this long while the vehicle flies is frozen, seconds.
 const FROZEN_S: f64 = 1.2;
-/// Faster than this a vehicle moves, m/s.
+/// Faster than this, up or down too, a vehicle moves, m/s.
 const MOVES_MPS: f64 = 1.0;
 /// A position that is farther than this from where its velocity leads has jumped, metres; and what
 /// an acceleration may add, m/s^2.
@@ -40,7 +40,8 @@ impl Motion {
             _ => t_s,
         };
         self.still = Some((sent, since_s));
-        let (still_s, speed_mps) = (t_s - since_s, here.fix.speed_mps);
+        let [east, north, up] = here.velocity_mps;
+        let (still_s, speed_mps) = (t_s - since_s, east.hypot(north).hypot(up));
         // What is frozen is so until it changes, whether the vehicle should still move or not.
         let moves = speed_mps > MOVES_MPS || moves || self.is_frozen;
         let is_frozen = still_s >= FROZEN_S && moves;

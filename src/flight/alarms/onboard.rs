@@ -15,6 +15,8 @@ const STATE_EMERGENCY: u8 = 6;
 const EXPLAINS_S: f64 = 3.0;
 /// Another mission may be that of a `replan` that is heard of later, seconds.
 const HEARD_OF_S: f64 = 1.0;
+/// What is on board may say more about what was written, seconds.
+const WRITTEN_S: f64 = 1.5;
 
 /// The mission and the mode of one vehicle.
 #[derive(Debug)]
@@ -29,7 +31,7 @@ pub(super) struct Onboard {
     /// What differs, and since when.
     differs: Option<(String, f64)>,
     /// The other station that it was heard to take a mission from.
-    written_by: Option<u8>,
+    written_by: Option<(u8, f64)>,
     beat: Option<Heartbeat>,
     /// Whether it was in its mission, and the name of the mode after it.
     was_in_mission: bool,
@@ -57,6 +59,12 @@ impl Onboard {
             why: None,
             why_in_mission: None,
         }
+    }
+
+    /// Its flight begins: how many items it said to hold when they were read.
+    pub(super) fn begin(&mut self, held: Option<usize>) {
+        let held = held.filter(|held| *held == self.items);
+        self.total = held.and_then(|held| u16::try_from(held).ok());
     }
 
     /// Another mission comes.
@@ -101,7 +109,7 @@ impl Onboard {
                 && target.system != us.system
                 && *mission_type == List::Mission.mission_type() =>
             {
-                self.written_by = Some(target.system);
+                self.written_by = Some((target.system, t_s));
             }
             Message::StatusText { text, .. } if explains(text) => {
                 self.cause = Some((format!("the vehicle itself: {text}"), t_s));
@@ -180,7 +188,10 @@ impl Onboard {
         let differs = differs.filter(|(_, since_s)| t_s - since_s >= HEARD_OF_S);
         let differs = differs.map(|(what, _)| what.clone());
         let written = || {
-            let system = self.written_by?;
+            let (system, at_s) = self.written_by?;
+            if t_s - at_s < WRITTEN_S {
+                return None;
+            }
             let what = "acknowledged a mission, or that it was cleared, to system";
             Some(format!("{what} {system}: it may fly another one"))
         };
@@ -216,8 +227,12 @@ impl Onboard {
 /// Whether a text says that the vehicle changes its mode by itself.
 fn explains(text: &str) -> bool {
     let text = text.to_ascii_lowercase();
-    let words = ["failsafe", "fence breached", "rtl", "return to launch"];
-    words.iter().any(|word| text.contains(word))
+    let is_over = ["clear", "resolved", "recovered"]
+        .iter()
+        .any(|word| text.contains(word));
+    let begins = ["failsafe", "fence breached", "return to launch"];
+    let mut words = text.split(|sign: char| !sign.is_ascii_alphanumeric());
+    !is_over && (begins.iter().any(|word| text.contains(word)) || words.any(|word| word == "rtl"))
 }
 
 fn changes_mode(command: u16) -> bool {

@@ -171,6 +171,7 @@ impl Alarms<'_> {
         let slack_s = self.spec.separation.time_slack_s;
         let of = &mut self.vehicles[vehicle];
         let is_in_column = of.tube.is_in_column(&of.plan, here) || of.comes_down_at_rally(here);
+        let is_in_column = is_in_column || of.duty.lands;
         let is_due = of.duty.flies && of.duty.is_up && !is_in_column;
         let is_on_plan = of.is_on_plan();
         let slip_s = of.tube.slip_s(&here.fix);

@@ -12,7 +12,7 @@ use super::itinerary::progress::Progress;
 use super::record::{Fix, Flight, Record};
 use super::session::end::End;
 use crate::geodesy::{EastNorth, PlanPoint};
-use crate::spec::{Airframe, MissionSpec, Vehicle};
+use crate::spec::{Action, Airframe, MissionSpec, Vehicle};
 use crate::verify::Margin;
 use crate::world::{Stations, World};
 use leg::leg_at;
@@ -41,8 +41,8 @@ pub(super) struct FlownTrack<'a> {
     risen: usize,
     /// The last position on the way to its landing.
     landed: Option<usize>,
-    /// The first position of its descent at a rally point; their number if it landed at none.
-    at_rally: usize,
+    /// The first position of a descent that was ordered; their number if there was none.
+    ordered_down: usize,
     pub(super) airframe: Airframe,
     /// As the spec has it; none for a stranger.
     pub(super) vehicle: Option<&'a Vehicle>,
@@ -102,7 +102,7 @@ impl<'a> FlownTrack<'a> {
             plan_of: flight.plan_of_each(),
             risen: 0,
             landed: None,
-            at_rally: flight.flown.fixes.len(),
+            ordered_down: flight.flown.fixes.len(),
             airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
             vehicle: this,
             stations: index.and_then(|index| world.stations.get(index).cloned()),
@@ -110,8 +110,8 @@ impl<'a> FlownTrack<'a> {
         };
         track.risen = track.count_rising();
         track.landed = (0..track.points.len()).rfind(|&index| track.flies_to_landing(index));
-        if flight.flown.end == End::ReturnedToRally {
-            track.at_rally = track.comes_to_rally(spec, world);
+        if matches!(flight.flown.end, End::LandedEarly | End::ReturnedToRally) {
+            track.ordered_down = track.comes_down_from();
         }
         track
     }
@@ -163,25 +163,23 @@ impl<'a> FlownTrack<'a> {
                     let plan = self.plan(index);
                     let puts_down = plan.is_some_and(|plan| plan.dips_at(item, at));
                     let comes_down = near(home, COLUMN_M) || near(end, end_m);
-                    !self.rises(index) && !comes_down && !puts_down && index < self.at_rally
+                    !self.rises(index) && !comes_down && !puts_down && index < self.ordered_down
                 }
             }
         })
     }
 
-    /// The first position of its descent at the rally point where it landed.
-    fn comes_to_rally(&self, spec: &MissionSpec, world: &World) -> usize {
-        let pads = spec
-            .rally
-            .iter()
-            .map(|rally| world.frame.to_plan(rally.place));
-        let pads: Vec<EastNorth> = pads.collect();
-        let is_far =
-            |point: &PlanPoint| pads.iter().all(|pad| pad.distance_m(point.at) >= COLUMN_M);
-        self.points
-            .iter()
-            .rposition(is_far)
-            .map_or(0, |index| index + 1)
+    /// The first position of the landing that was ordered, or of the descent where a return ended.
+    fn comes_down_from(&self) -> usize {
+        let flown = &self.flight.flown;
+        let lands_s = flown.ordered_s.filter(|_| flown.ordered == Action::Land);
+        if let Some(from_s) = lands_s {
+            return self.fixes().partition_point(|fix| fix.t_s < from_s);
+        }
+        let last = self.points.last().map(|last| last.at);
+        let is_far = |point: &PlanPoint| last.is_none_or(|at| at.distance_m(point.at) >= COLUMN_M);
+        let farthest = self.points.iter().rposition(is_far);
+        farthest.map_or(0, |index| index + 1)
     }
 
     /// Whether it is on its takeoff.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::journal::Journal;
+use super::journal::{Journal, unwritable};
 use super::lines::Line;
 use super::read::read_record;
 use super::underway::Underway;
@@ -10,7 +10,7 @@ use super::{Flight, Record};
 use crate::flight::error::FlightError;
 use crate::flight::session::end::End;
 use crate::geodesy::LocalFrame;
-use crate::numeric::text::read_regular;
+use crate::numeric::text::read_regular_bytes;
 
 /// A flight that broke off in the air.
 #[derive(Debug)]
@@ -21,6 +21,8 @@ pub struct Interrupted {
     t0_unix_ms: u64,
     /// Lines of `replan` that are in the record.
     replan_lines: usize,
+    /// What comes after the last line that can be read.
+    lost: Vec<u8>,
 }
 
 impl Interrupted {
@@ -46,7 +48,9 @@ impl Interrupted {
         let name = Path::new(&notice.record).file_name().unwrap_or_default();
         let path = folder.join(name);
         let bad = |why: String| FlightError::Input(format!("{}: {why}", path.display()));
-        let text = read_regular(&path).map_err(|error| bad(error.to_string()))?;
+        let bytes = read_regular_bytes(&path).map_err(|error| bad(error.to_string()))?;
+        let length = readable(&bytes);
+        let text = String::from_utf8_lossy(&bytes[..length]);
         let record = read_record(&text, frame).map_err(|error| bad(error.to_string()))?;
         if record
             .flights
@@ -68,6 +72,7 @@ impl Interrupted {
             record,
             t0_unix_ms,
             replan_lines,
+            lost: bytes[length..].to_vec(),
         })
     }
 
@@ -116,7 +121,30 @@ impl Interrupted {
             let flown = self.flight(id).map(|of| &of.flown);
             flown.map_or((0, 0), |flown| (flown.fixes.len(), flown.reached.len()))
         });
-        Journal::resume(self.path.clone(), written.collect())
+        if !self.lost.is_empty() {
+            let path = self.lost_path();
+            let set_aside = std::fs::write(&path, &self.lost);
+            set_aside.map_err(|error| unwritable(&path, &error))?;
+        }
+        Journal::resume(self.path.clone(), written.collect(), self.lost.len())
+    }
+
+    /// What could not be read of the record, and where it is, in words; nothing for a last line that was cut off.
+    #[must_use]
+    pub fn lost(&self) -> Option<String> {
+        let is_cut_off = !self.lost.iter().any(|byte| [b'\n', 0].contains(byte));
+        let is_text = std::str::from_utf8(&self.lost).is_ok();
+        (!is_cut_off || !is_text).then(|| {
+            let (bytes, path) = (self.lost.len(), self.lost_path());
+            format!(
+                "the last {bytes} bytes of the record could not be read: they are in {}",
+                path.display()
+            )
+        })
+    }
+
+    fn lost_path(&self) -> PathBuf {
+        self.path.with_extension("lost")
     }
 
     /// Lines of `replan` that are in the record.
@@ -132,4 +160,21 @@ fn is_of_replan(line: &Line) -> bool {
         Line::Plan { t_s, .. } => *t_s > 0.0,
         _ => false,
     }
+}
+
+/// How many bytes of a record are lines, up to the first that is none: where a computer lost its power, the
+/// rest may be anything.
+fn readable(bytes: &[u8]) -> usize {
+    let mut length = 0;
+    for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+        let text = std::str::from_utf8(line).ok();
+        let text = text.and_then(|text| text.strip_suffix('\n'));
+        let is_line =
+            |text: &str| text.trim().is_empty() || serde_json::from_str::<Line>(text).is_ok();
+        if !text.is_some_and(is_line) {
+            break;
+        }
+        length += line.len();
+    }
+    length
 }

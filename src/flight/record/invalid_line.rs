@@ -18,7 +18,7 @@ enum Kind {
 /// A key that only one kind of line has, what that is, and the keys of it.
 type Sort = (&'static str, &'static str, &'static [(&'static str, Kind)]);
 
-const LINES: [Sort; 10] = [
+const LINES: [Sort; 11] = [
     (
         "sortie",
         "a header",
@@ -51,6 +51,15 @@ const LINES: [Sort; 10] = [
         "stopped_s",
         "a stop",
         &[("t_s", Kind::Number), ("stopped_s", Kind::Number)],
+    ),
+    (
+        "order",
+        "an order",
+        &[
+            ("t_s", Kind::Number),
+            ("vehicle", Kind::Text),
+            ("order", Kind::Text),
+        ],
     ),
     (
         "end",

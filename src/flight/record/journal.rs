@@ -37,17 +37,19 @@ impl Journal {
     }
 
     /// Goes on with a record that broke off: `written` are the positions and items reached of each
-    /// vehicle in it. A last line that was cut off is removed.
+    /// vehicle in it. The last bytes, `lost` of them, are removed.
     ///
     /// # Errors
     /// [`FlightError::Record`]: it cannot be written.
-    pub fn resume(path: PathBuf, written: Vec<(usize, usize)>) -> Result<Self, FlightError> {
+    pub fn resume(
+        path: PathBuf,
+        written: Vec<(usize, usize)>,
+        lost: usize,
+    ) -> Result<Self, FlightError> {
         let open = || {
-            let whole = std::fs::read(&path)?;
-            let length = whole.iter().rposition(|byte| *byte == b'\n');
             let file = std::fs::File::options().append(true).open(&path)?;
-            let length = length.map_or(0, |last| last + 1);
-            file.set_len(u64::try_from(length).unwrap_or(u64::MAX))?;
+            let length = file.metadata()?.len();
+            file.set_len(length.saturating_sub(u64::try_from(lost).unwrap_or(u64::MAX)))?;
             Ok(file)
         };
         let file = open().map_err(|error| unwritable(&path, &error))?;
@@ -112,6 +114,6 @@ impl Journal {
     }
 }
 
-fn unwritable(path: &Path, error: &std::io::Error) -> FlightError {
+pub(super) fn unwritable(path: &Path, error: &std::io::Error) -> FlightError {
     FlightError::Record(format!("cannot write {}: {error}", path.display()))
 }

@@ -8,7 +8,7 @@ use crate::flight::document::rounded;
 use crate::flight::event::Event;
 use crate::flight::itinerary::stops::Itinerary;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
-use crate::spec::{AlarmKind, THREAT_RADIUS_M, Threat};
+use crate::spec::{Action, AlarmKind, THREAT_RADIUS_M, Threat};
 
 /// Times are written rounded, seconds.
 const ROUNDED_S: f64 = 0.01;
@@ -73,6 +73,15 @@ pub enum Line {
         t_s: f64,
         /// For how long, seconds.
         stopped_s: f64,
+    },
+    /// A vehicle was ordered to leave its mission, or is on it again (`continue`).
+    Order {
+        /// When, seconds after T0.
+        t_s: f64,
+        /// Id in the spec.
+        vehicle: String,
+        /// To do what.
+        order: Action,
     },
     /// How a vehicle's flight ended.
     End {

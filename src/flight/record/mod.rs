@@ -13,7 +13,7 @@ pub use fix::Fix;
 
 use super::conformance::reference::Reference;
 use super::itinerary::stops::Itinerary;
-use crate::spec::{AlarmKind, Threat};
+use crate::spec::{Action, AlarmKind, Threat};
 
 /// Items reached that are taken down of one vehicle within [`PERIOD_S`].
 const MAX_REACHED: usize = 100;
@@ -34,6 +34,10 @@ pub struct Flown {
     pub reached: Vec<(usize, f64)>,
     /// How it ended.
     pub end: super::End,
+    /// What it was ordered to do instead of its mission, last.
+    pub ordered: Action,
+    /// When, seconds after T0; none of a flight that was ordered nothing.
+    pub ordered_s: Option<f64>,
 }
 
 /// A plan, and its mark in what a vehicle reports.

@@ -252,6 +252,15 @@ impl Reading {
             Line::Stop { t_s, stopped_s } => {
                 self.stop(t_s, stopped_s)?;
             }
+            Line::Order {
+                t_s,
+                vehicle,
+                order,
+            } => {
+                self.check(t_s, &vehicle)?;
+                let flown = &mut self.of(&vehicle).flown;
+                (flown.ordered, flown.ordered_s) = (order, Some(t_s));
+            }
             Line::End { vehicle, end, t_s } => {
                 self.check(t_s.unwrap_or(0.0), &vehicle)?;
                 self.once(end_of(&vehicle))?;

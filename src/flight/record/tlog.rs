@@ -168,8 +168,10 @@ impl Reading {
         if !position.is_known() {
             return;
         }
+        let aligned = self.offset.align(f64::from(position.boot_ms), at_ms);
+        let Some(aligned) = aligned else { return };
         let fix = Fix {
-            t_s: self.offset.align(f64::from(position.boot_ms), at_ms) / 1000.0,
+            t_s: aligned.at_ms / 1000.0,
             place: position.place(),
             amsl: position.amsl(),
             speed_mps: position.ground_speed_mps(),

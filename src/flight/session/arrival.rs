@@ -11,6 +11,8 @@ use crate::spec::Airframe;
 
 /// A vehicle that stays for ever has come to its place this near, metres.
 pub(crate) const ARRIVED_M: f64 = 5.0;
+/// One that is farther from there than this does not stay there any more, metres.
+pub(crate) const LEFT_M: f64 = 15.0;
 /// A plane that rolled out stands this near the place of its landing, metres.
 const RUNS_OUT_M: f64 = 150.0;
 /// Slower than this a vehicle stays where it is, m/s.

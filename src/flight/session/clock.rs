@@ -1,10 +1,13 @@
 //! A vehicle's own clock against that of the fleet.
 
-/// How long the quickest message is remembered, milliseconds of the vehicle's time.
+/// How long the quickest message is remembered at least, milliseconds.
 const WINDOW_MS: f64 = 10_000.0;
-/// A clock that goes on by so much more than ours, or goes back by so much, has jumped, milliseconds: messages
-/// come late, and in another order, by less.
-const JUMP_MS: f64 = 10_000.0;
+/// A stamp that is older than the one before it by more, or ahead of the quickest message by more, is of a
+/// clock that jumped, or wrong, milliseconds.
+const BACK_MS: f64 = 1000.0;
+const AHEAD_MS: f64 = 2000.0;
+/// So many of them in a row that go on from one another are of a clock that jumped.
+const JUMPED: u8 = 3;
 
 /// Where a vehicle's time since boot lies on the fleet's clock.
 ///
@@ -12,37 +15,64 @@ const JUMP_MS: f64 = 10_000.0;
 /// last messages shows the difference best: the others were only late.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Offset {
-    /// Least differences of this window and of the one before it.
+    /// Least differences of this window and of the one before it, and when this one began. Messages that waited
+    /// while nobody read them come at once, in one window.
     least_ms: [Option<f64>; 2],
-    window: f64,
-    last_ms: Option<f64>,
+    began_ms: f64,
+    /// The last stamp that was taken, and when it arrived.
+    last_ms: Option<(f64, f64)>,
+    /// The last of those that are off, and how many there are in a row.
+    off_ms: Option<(f64, f64)>,
+    off_count: u8,
+}
+
+/// A stamp on the fleet's clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Aligned {
+    /// Milliseconds of the fleet's clock.
+    pub(crate) at_ms: f64,
+    /// By how much the vehicle's clock jumped before it, seconds: positive forward.
+    pub(crate) jump_s: Option<f64>,
 }
 
 impl Offset {
-    /// By how much the vehicle's clock has jumped at a stamp since the one before it, seconds: positive
-    /// forward. To be asked before [`Self::align`].
-    pub(crate) fn jump_s(&mut self, boot_ms: f64, arrived_ms: f64) -> Option<f64> {
-        let before_ms = self.last_ms.replace(boot_ms)?;
-        let back_ms = before_ms - boot_ms;
-        let least_ms = self.least_ms.iter().flatten().copied().reduce(f64::min)?;
-        let on_ms = least_ms - (arrived_ms - boot_ms);
-        if back_ms > JUMP_MS {
-            Some(-back_ms / 1000.0)
+    /// The time on the fleet's clock of a stamp that arrived at `arrived_ms` of it; none for one
+    /// that cannot be, unless others go on from it.
+    pub(crate) fn align(&mut self, boot_ms: f64, arrived_ms: f64) -> Option<Aligned> {
+        let jump_s = if self.is_off(boot_ms, arrived_ms) {
+            let goes_on = self.off_ms.is_some_and(|(before_ms, at_ms)| {
+                let went_ms = boot_ms - before_ms;
+                went_ms > 0.0 && went_ms <= arrived_ms - at_ms + AHEAD_MS
+            });
+            self.off_count = if goes_on { self.off_count + 1 } else { 1 };
+            self.off_ms = Some((boot_ms, arrived_ms));
+            if self.off_count < JUMPED {
+                return None;
+            }
+            (self.least_ms, self.began_ms) = ([None, None], arrived_ms);
+            self.last_ms
+                .map(|(before_ms, at_ms)| (boot_ms - before_ms - (arrived_ms - at_ms)) / 1000.0)
         } else {
-            (on_ms > JUMP_MS).then_some(on_ms / 1000.0)
-        }
+            None
+        };
+        (self.off_ms, self.off_count) = (None, 0);
+        self.last_ms = Some((boot_ms, arrived_ms));
+        let at_ms = self.take(boot_ms, arrived_ms);
+        Some(Aligned { at_ms, jump_s })
     }
 
-    /// The time on the fleet's clock of a stamp that arrived at `arrived_ms` of it.
-    pub(crate) fn align(&mut self, boot_ms: f64, arrived_ms: f64) -> f64 {
-        let window = (boot_ms / WINDOW_MS).floor();
-        let is_restarted = window < self.window;
-        if is_restarted || window > self.window + 1.0 {
-            self.least_ms = [None, None];
-        } else if window > self.window {
-            self.least_ms = [None, self.least_ms[0]];
+    fn is_off(&self, boot_ms: f64, arrived_ms: f64) -> bool {
+        let is_back = self
+            .last_ms
+            .is_some_and(|(before_ms, _)| before_ms - boot_ms > BACK_MS);
+        let least_ms = self.least_ms.iter().flatten().copied().reduce(f64::min);
+        is_back || least_ms.is_some_and(|least_ms| least_ms - (arrived_ms - boot_ms) > AHEAD_MS)
+    }
+
+    fn take(&mut self, boot_ms: f64, arrived_ms: f64) -> f64 {
+        if arrived_ms - self.began_ms >= WINDOW_MS {
+            (self.least_ms, self.began_ms) = ([None, self.least_ms[0]], arrived_ms);
         }
-        self.window = window;
         let found = arrived_ms - boot_ms;
         let least = self.least_ms[0].map_or(found, |least| least.min(found));
         self.least_ms[0] = Some(least);
@@ -54,41 +84,65 @@ impl Offset {
 mod tests {
     use super::Offset;
 
-    #[test]
-    fn late_messages_keep_the_time_at_which_they_were_measured() {
-        let mut offset = Offset::default();
-        assert!((offset.align(1000.0, 5000.0) - 5000.0).abs() < 1e-9);
-        assert!((offset.align(1200.0, 5900.0) - 5200.0).abs() < 1e-9);
-        // A clock that runs slow is followed, later.
-        for step in 0..500 {
-            let boot = 1400.0 + 200.0 * f64::from(step);
-            offset.align(boot, boot + 4100.0);
-        }
-        assert!((offset.align(200_000.0, 204_100.0) - 204_100.0).abs() < 1e-9);
-        // The vehicle was started again.
-        assert!((offset.align(100.0, 300_000.0) - 300_000.0).abs() < 1e-9);
+    fn at(offset: &mut Offset, boot_ms: f64, arrived_ms: f64) -> f64 {
+        offset
+            .align(boot_ms, arrived_ms)
+            .map_or(f64::NAN, |aligned| aligned.at_ms)
     }
 
     #[test]
-    fn a_clock_that_jumps_is_told_from_messages_that_are_late() {
+    fn late_messages_keep_the_time_at_which_they_were_measured() {
         let mut offset = Offset::default();
-        let mut jump = |boot_ms: f64, arrived_ms: f64| {
-            let found = offset.jump_s(boot_ms, arrived_ms);
-            offset.align(boot_ms, arrived_ms);
-            found
+        assert!((at(&mut offset, 1000.0, 5000.0) - 5000.0).abs() < 1e-9);
+        assert!((at(&mut offset, 1200.0, 5900.0) - 5200.0).abs() < 1e-9);
+        // A clock that runs slow is followed, later.
+        for step in 0..500 {
+            let boot = 1400.0 + 200.0 * f64::from(step);
+            at(&mut offset, boot, boot + 4100.0);
+        }
+        assert!((at(&mut offset, 101_400.0, 105_500.0) - 105_500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn messages_that_waited_for_long_keep_their_times() {
+        let mut offset = Offset::default();
+        assert!((at(&mut offset, 1000.0, 5000.0) - 5000.0).abs() < 1e-9);
+        // Nobody read them for half a minute.
+        for step in 0..150 {
+            let boot_ms = 1200.0 + 200.0 * f64::from(step);
+            let found_ms = at(&mut offset, boot_ms, 35_000.0);
+            assert!((found_ms - boot_ms - 4000.0).abs() < 1e-9, "{step}");
+        }
+        assert!((at(&mut offset, 31_200.0, 35_200.0) - 35_200.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_clock_that_jumps_is_followed_and_late_or_wrong_stamps_are_no_jump() {
+        let mut offset = Offset::default();
+        let mut step = |boot_ms: f64, arrived_ms: f64| {
+            let aligned = offset.align(boot_ms, arrived_ms)?;
+            Some((aligned.at_ms, aligned.jump_s))
         };
-        assert_eq!(jump(1000.0, 5000.0), None);
-        // Late by 30 s, in another order, and in time again.
-        assert_eq!(jump(1200.0, 35_200.0), None);
-        assert_eq!(jump(900.0, 35_300.0), None);
-        assert_eq!(jump(31_400.0, 35_400.0), None);
-        let on_s = jump(1_031_600.0, 35_600.0);
-        assert!(
-            on_s.is_some_and(|on_s| (on_s - 1000.0).abs() < 1.0),
-            "{on_s:?}"
-        );
-        assert_eq!(jump(1_031_800.0, 35_800.0), None);
-        assert_eq!(jump(1_011_800.0, 36_000.0), Some(-20.0));
-        assert_eq!(jump(1_012_000.0, 36_200.0), None);
+        assert_eq!(step(1000.0, 5000.0), Some((5000.0, None)));
+        // Late by 3 s, in another order, and in time again.
+        assert_eq!(step(1200.0, 8200.0), Some((5200.0, None)));
+        assert_eq!(step(1100.0, 8300.0), Some((5100.0, None)));
+        assert_eq!(step(4400.0, 8400.0), Some((8400.0, None)));
+        // One wrong stamp, ahead and behind.
+        assert_eq!(step(10_600.0, 8600.0), None);
+        assert_eq!(step(4800.0, 8800.0), Some((8800.0, None)));
+        assert_eq!(step(1000.0, 9000.0), None);
+        assert_eq!(step(5200.0, 9200.0), Some((9200.0, None)));
+        for (by_ms, by_s) in [(1_000_000.0, 1000.0), (994_000.0, -6.0), (0.0, -994.0)] {
+            let from_ms = 9200.0
+                + 1000.0 * f64::from(u8::from(by_s < 0.0))
+                + f64::from(u8::from(by_ms < 1.0)) * 1000.0;
+            assert_eq!(step(from_ms - 3800.0 + by_ms, from_ms + 200.0), None);
+            assert_eq!(step(from_ms - 3600.0 + by_ms, from_ms + 400.0), None);
+            let jumped = Some((from_ms + 600.0, Some(by_s)));
+            assert_eq!(step(from_ms - 3400.0 + by_ms, from_ms + 600.0), jumped);
+            let goes_on = Some((from_ms + 1000.0, None));
+            assert_eq!(step(from_ms - 3000.0 + by_ms, from_ms + 1000.0), goes_on);
+        }
     }
 }

@@ -83,7 +83,7 @@ impl<'a> Diversion<'a> {
             force: true,
             others,
         };
-        let mut session = Session::new(order, us, now);
+        let mut session = Session::new(order, us, now).in_the_air();
         session.handle(now, vehicle, &Message::Heartbeat(beat));
         Self {
             session,

@@ -198,6 +198,16 @@ impl<'a> Driver<'a> {
             let stopped_s = t_s - from_s;
             lines.push(Line::Stop { t_s, stopped_s }.text());
         }
+        while let Some((t_s, vehicle, order)) = fleet.poll_order() {
+            lines.push(
+                Line::Order {
+                    t_s,
+                    vehicle,
+                    order,
+                }
+                .text(),
+            );
+        }
         lines.extend(self.journal.fresh(fleet.flown()));
         let now = self.now();
         if now >= self.read.1 || fleet.outcome().is_some() {

@@ -20,7 +20,7 @@ use super::alarms::{Alarm, Alarms};
 use super::event::Event;
 use super::record::Flown;
 use crate::link::{Address, Heartbeat, Message, Time};
-use crate::spec::{AlarmKind, OnAlarm};
+use crate::spec::{Action, AlarmKind, OnAlarm};
 use end::{End, LATE_S, LATE_SHARE};
 use vehicle::{Assignment, FlightVehicle, Instruction, Stage};
 
@@ -30,6 +30,8 @@ const TICK_MS: u64 = 20;
 const HEARTBEAT_MS: u64 = 1000;
 /// A vehicle that was silent for so long is lost: seconds of flight, and of the wall's clock.
 const LOST_FLIGHT_S: f64 = 5.0;
+/// One that is heard without a heartbeat for so long, as well, seconds of flight: some of them may be lost.
+const NO_BEAT_S: f64 = 10.0;
 const LOST_WALL_MS: f64 = 2500.0;
 /// A longer time between two steps of the driver is a stop of this program, milliseconds.
 const STOPPED_MS: u64 = 2000;
@@ -107,12 +109,16 @@ pub struct Fleet<'a> {
     last: Time,
     /// The times that this program was stopped for, seconds after T0.
     stops: VecDeque<(f64, f64)>,
+    /// Orders that are not recorded yet.
+    orders: VecDeque<(f64, String, Action)>,
     us: Address,
     /// What was wrong with the links, and of whom.
     troubles: Vec<(Option<String>, String)>,
     alarms: Option<Alarms<'a>>,
     /// Orders that wait until their way is clear.
     waiting: Vec<answer::Waiting>,
+    /// The last order that each vehicle was given at an alarm.
+    given: Vec<answer::Waiting>,
 }
 
 impl<'a> Fleet<'a> {
@@ -142,10 +148,12 @@ impl<'a> Fleet<'a> {
             refusals: Vec::new(),
             last: now,
             stops: VecDeque::new(),
+            orders: VecDeque::new(),
             troubles: Vec::new(),
             us,
             alarms: None,
             waiting: Vec::new(),
+            given: Vec::new(),
         }
     }
 
@@ -322,6 +330,16 @@ impl<'a> Fleet<'a> {
             while let Some(message) = vehicle.poll_transmit() {
                 self.outbox.push_back((vehicle.of.sysid, message));
             }
+            let ordered = vehicle
+                .instruction
+                .map_or(Action::Continue, Instruction::action);
+            if let Some(t_s) = t_s.filter(|_| vehicle.is_watched())
+                && std::mem::replace(&mut vehicle.flown.ordered, ordered) != ordered
+            {
+                let id = vehicle.of.vehicle.to_owned();
+                vehicle.flown.ordered_s = Some(t_s);
+                self.orders.push_back((t_s, id, ordered));
+            }
             if matches!(vehicle.stage, Stage::Ended) {
                 vehicle.flown.until_s = vehicle.flown.until_s.or(t_s);
             }
@@ -340,6 +358,7 @@ impl<'a> Fleet<'a> {
     fn watch(&mut self, now: Time, t0_ms: f64) {
         let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
         let mut ends_s = 0.0_f64;
+        self.judge_returns_again(now);
         for vehicle in &mut self.vehicles {
             vehicle.check_rejoin();
             if matches!(vehicle.stage, Stage::Armed) && t_s >= vehicle.of.start_s {
@@ -358,14 +377,23 @@ impl<'a> Fleet<'a> {
                 }
             }
         }
+        self.end_those_that_loiter();
         self.gather(now);
-        if self
-            .vehicles
-            .iter()
-            .all(|c| matches!(c.stage, Stage::Ended))
-        {
+        let is_over = |of: &FlightVehicle<'_>| matches!(of.stage, Stage::Ended);
+        if self.vehicles.iter().all(is_over) {
             self.outcome = Some(Outcome::Flown);
             self.phase = Phase::Ended;
+        }
+    }
+
+    /// When no vehicle flies to its end any more, the flights of those that stay at theirs are over.
+    fn end_those_that_loiter(&mut self) {
+        let is_done = |of: &FlightVehicle<'_>| of.loiters || matches!(of.stage, Stage::Ended);
+        if self.vehicles.iter().all(is_done) {
+            let shows =
+                |of: &&mut FlightVehicle<'_>| matches!(of.stage, Stage::Flying) && of.is_at_end;
+            let loiter = self.vehicles.iter_mut().filter(shows);
+            loiter.for_each(FlightVehicle::end_loitering);
         }
     }
 
@@ -385,7 +413,11 @@ impl<'a> Fleet<'a> {
             }
         }
         for (vehicle, silent_s) in changed {
+            let is_heard = heard_s(&self.vehicles[vehicle], now, speedup) <= LOST_FLIGHT_S;
             let text = match silent_s {
+                Some(silent_s) if is_heard => format!(
+                    "no heartbeat for {silent_s:.0} s: its mode and its motors are not known"
+                ),
                 Some(silent_s) => format!("link lost, nothing was heard for {silent_s:.0} s"),
                 None => "link is back".to_owned(),
             };
@@ -427,16 +459,35 @@ impl<'a> Fleet<'a> {
         self.say(now, None, text);
     }
 
+    /// The next order that is to be recorded.
+    pub(super) fn poll_order(&mut self) -> Option<(f64, String, Action)> {
+        self.orders.pop_front()
+    }
+
     /// The next time that this program was stopped for: from, until, seconds after T0.
     pub(super) fn poll_stop(&mut self) -> Option<(f64, f64)> {
         self.stops.pop_front()
     }
 }
 
-/// For how long a vehicle has been silent, seconds of flight, if that is too long.
+/// For how long nothing was heard of a vehicle, seconds of flight.
+fn heard_s(vehicle: &FlightVehicle<'_>, now: Time, speedup: f64) -> f64 {
+    seconds(now - vehicle.heard) * speedup
+}
+
+/// For how long a vehicle has been silent, or sent no heartbeat, seconds of flight, if that is too long.
 pub(super) fn silence_s(vehicle: &FlightVehicle<'_>, now: Time, speedup: f64) -> Option<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
-    let silent_ms = (now - vehicle.heard) as f64;
-    let silent_s = silent_ms * speedup / 1000.0;
-    (silent_s > LOST_FLIGHT_S && silent_ms > LOST_WALL_MS).then_some(silent_s)
+    let is_long = |since: Time, most_s: f64| {
+        let silent_ms = now - since;
+        let silent_s = seconds(silent_ms) * speedup;
+        (silent_s > most_s && seconds(silent_ms) * 1000.0 > LOST_WALL_MS).then_some(silent_s)
+    };
+    let is_watched = vehicle.is_watched();
+    let beats = || is_long(vehicle.beat_at, NO_BEAT_S).filter(|_| is_watched);
+    is_long(vehicle.heard, LOST_FLIGHT_S).or_else(beats)
+}
+
+#[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+fn seconds(ms: u64) -> f64 {
+    ms as f64 / 1000.0
 }

@@ -79,12 +79,34 @@ impl Fleet<'_> {
             }
             return;
         }
+        if self.waits_for_controls(now) {
+            return;
+        }
         self.say(now, None, "all are ready".to_owned());
         self.vehicles
             .iter_mut()
             .for_each(|vehicle| vehicle.arm(now));
         let until = now + ARMING_MS + CONFIRMING_MS;
         self.phase = Phase::Arming { until, again: 0 };
+    }
+
+    /// Whether a vehicle must run for longer before it may take off; of each that is said once.
+    fn waits_for_controls(&mut self, now: Time) -> bool {
+        let flight_ms = self.flight_ms(now);
+        let vehicles = self.vehicles.iter().enumerate();
+        let waits = vehicles.filter_map(|(index, of)| Some((index, of.settles_in_s(flight_ms)?)));
+        let waits: Vec<(usize, f64)> = waits.collect();
+        for (index, left_s) in &waits {
+            let vehicle = &mut self.vehicles[*index];
+            if !std::mem::replace(&mut vehicle.is_awaited, true) {
+                let id = vehicle.of.vehicle.to_owned();
+                let text = format!(
+                    "was started too short a time ago, and would sink after its takeoff: it is waited for {left_s:.0} s more"
+                );
+                self.say(now, Some(id), text);
+            }
+        }
+        !waits.is_empty()
     }
 
     /// Arms those again that may disarm themselves before they have left the ground, because others took

@@ -47,6 +47,8 @@ impl<'a> Fleet<'a> {
             ),
             alarm: None,
         });
+        let lost = flight.lost().map(|text| Event::new(Some(t_s), None, text));
+        fleet.events.extend(lost);
         fleet
     }
 }

@@ -26,6 +26,7 @@ use crate::link::{
     Address, Command, CommandResult, Heartbeat, Message, Order, Reading, Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
+use crate::spec::Action;
 pub(super) use arming::ARMING_MS;
 use arming::{Arming, Disarming, SeenDisarmed};
 use ending::Motors;
@@ -103,6 +104,21 @@ impl Instruction {
             Self::Land => "land",
         }
     }
+
+    /// As the record has it.
+    pub(crate) fn action(self) -> Action {
+        match self {
+            Self::Hold => Action::Hold,
+            Self::Return => Action::Return,
+            Self::Land => Action::Land,
+        }
+    }
+
+    /// Out of a record.
+    pub(crate) fn of_action(action: Action) -> Option<Self> {
+        let all = [Self::Hold, Self::Return, Self::Land];
+        all.into_iter().find(|of| of.action() == action)
+    }
 }
 
 #[derive(Debug)]
@@ -116,7 +132,7 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) vehicle: Option<(Address, Heartbeat)>,
     /// When anything was heard of the autopilot, and when its last heartbeat.
     pub(crate) heard: Time,
-    beat_at: Time,
+    pub(crate) beat_at: Time,
     pub(crate) home: Option<Home>,
     /// The version of its firmware.
     version: Option<Version>,
@@ -138,6 +154,8 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) still_armed: Option<String>,
     /// Whether that was reported.
     pub(crate) is_warned: bool,
+    /// Whether it was reported that it must run for longer before it is armed.
+    pub(crate) is_awaited: bool,
     requested: Time,
     offset: Offset,
     /// The last position on the fleet's clock, milliseconds of flight time.
@@ -154,9 +172,12 @@ pub(crate) struct FlightVehicle<'a> {
     /// Positions that are none on earth.
     invalid_positions: usize,
     texts: TextLimit,
-    /// Items on board without home, as the vehicle says.
+    /// Items on board without home, as the vehicle says: now, and when all was as planned.
     total: Option<usize>,
+    pub(crate) ready_total: Option<usize>,
     airborne: bool,
+    /// Height of its last position above the ground, metres, where the ground is known.
+    pub(crate) agl_m: Option<f64>,
     /// Heartbeats in a row that show its motors to stand, and to run, while it flies or after that.
     motors: Motors,
     pub(crate) instruction: Option<Instruction>,
@@ -168,7 +189,13 @@ pub(crate) struct FlightVehicle<'a> {
     left: bool,
     /// What it was ordered to do when it went on with its mission by itself, or by somebody else's order.
     pub(crate) taken_back: Option<Instruction>,
+    /// That it has left what it was ordered to do, in words.
+    pub(crate) left_order: Option<String>,
     orbit: Orbit,
+    /// Whether it stays in the air at the end of its mission. It is monitored as long as others fly.
+    pub(crate) loiters: bool,
+    /// Whether its last position shows that: positions have noise.
+    pub(crate) is_at_end: bool,
     pub(crate) flown: Flown,
     outbox: VecDeque<Message>,
     said: VecDeque<String>,
@@ -230,6 +257,7 @@ impl<'a> FlightVehicle<'a> {
             disarm_s: None,
             still_armed: None,
             is_warned: false,
+            is_awaited: false,
             requested: Time(0),
             offset: Offset::default(),
             latest: None,
@@ -241,7 +269,9 @@ impl<'a> FlightVehicle<'a> {
             invalid_positions: 0,
             texts: TextLimit::default(),
             total: None,
+            ready_total: None,
             airborne: false,
+            agl_m: None,
             motors: Motors::default(),
             instruction: None,
             holds: false,
@@ -249,7 +279,10 @@ impl<'a> FlightVehicle<'a> {
             in_mission: false,
             left: false,
             taken_back: None,
+            left_order: None,
             orbit: Orbit::default(),
+            loiters: false,
+            is_at_end: false,
             flown: Flown::default(),
             outbox: VecDeque::new(),
             said: VecDeque::new(),
@@ -268,6 +301,11 @@ impl<'a> FlightVehicle<'a> {
     /// The last heartbeat of its autopilot.
     pub(crate) fn heartbeat_now(&self) -> Option<Heartbeat> {
         self.vehicle.map(|(_, beat)| beat)
+    }
+
+    /// Whether it is in flight, and known where on it.
+    pub(crate) fn is_watched(&self) -> bool {
+        matches!(self.stage, Stage::Starting | Stage::Flying)
     }
 
     /// Whether it took off.
@@ -298,8 +336,9 @@ impl<'a> FlightVehicle<'a> {
                 self.pending = Some(PendingCommand::new(address, order, now));
             }
         }
+        let may_be_sent = !self.is_to_return() || self.is_placed();
         if let Some(pending) = &mut self.pending {
-            let message = pending.poll(now);
+            let message = may_be_sent.then(|| pending.poll(now)).flatten();
             self.outbox.extend(message);
             match pending.answer(now) {
                 Answer::None => {}

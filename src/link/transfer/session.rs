@@ -33,6 +33,9 @@ const HEARTBEAT_MS: u64 = 1000;
 const TRANSFER_MS: u64 = 120_000;
 /// Time allowed for each item, milliseconds.
 const ITEM_MS: u64 = 5000;
+/// The same to a vehicle in the air: a transfer that does not end is worse than none.
+const AIR_TRANSFER_MS: u64 = 30_000;
+const AIR_ITEM_MS: u64 = 2000;
 /// Most requests for the version of the vehicle, a heartbeat apart.
 const MAX_VERSION_REQUESTS: u32 = 5;
 /// A vehicle that answers in MAVLink 1 for this long speaks no other version,
@@ -114,15 +117,27 @@ enum Stage {
     Listening { until: Time },
 }
 
+/// When a transfer is given up that may take so long, and so long for each item, milliseconds.
+fn deadline(order: &Order<'_>, now: Time, (whole_ms, item_ms): (u64, u64)) -> Time {
+    let mission = order.mission;
+    let items = mission.items.len() + mission.fence.len() + mission.rally.len();
+    let items = u64::try_from(items).unwrap_or(u64::MAX);
+    now + whole_ms.saturating_add(items.saturating_mul(item_ms))
+}
+
 impl<'a> Session<'a> {
+    /// The same to a vehicle in the air.
+    #[must_use]
+    pub fn in_the_air(mut self) -> Self {
+        self.deadline = deadline(&self.order, self.began, (AIR_TRANSFER_MS, AIR_ITEM_MS));
+        self
+    }
+
     /// Begins a transfer in the name of `us`.
     #[must_use]
     pub fn new(order: Order<'a>, us: Address, now: Time) -> Self {
-        let mission = order.mission;
-        let items = mission.items.len() + mission.fence.len() + mission.rally.len();
-        let items = u64::try_from(items).unwrap_or(u64::MAX);
         Self {
-            deadline: now + TRANSFER_MS.saturating_add(items.saturating_mul(ITEM_MS)),
+            deadline: deadline(&order, now, (TRANSFER_MS, ITEM_MS)),
             order,
             us,
             began: now,

@@ -18,6 +18,9 @@ const STABILIZE_ENABLED: u8 = 16;
 /// How often PX4 says that an item was reached.
 const PX4_REACHED: u8 = 10;
 
+/// It has been running for this long, milliseconds.
+const RUNS_SINCE_MS: u64 = 3_600_000;
+
 impl Vehicle {
     /// What is said once a second.
     pub(crate) fn beat(&mut self, now: Time) {
@@ -106,7 +109,7 @@ impl Vehicle {
         };
         let (place, amsl_m, [east, north, up]) = pilot.position(self.faults.off_m);
         let mut position = Position {
-            boot_ms: u32::try_from(now.0).unwrap_or(u32::MAX),
+            boot_ms: u32::try_from(RUNS_SINCE_MS + now.0).unwrap_or(u32::MAX),
             x: degrees(place.lat_deg),
             y: degrees(place.lon_deg),
             amsl_mm: millimetres(amsl_m),

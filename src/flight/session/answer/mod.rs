@@ -80,7 +80,8 @@ impl<'a> Fleet<'a> {
             && fresh
             && flies
         {
-            alarms.position(index, fix, position);
+            alarms.position(t_s, index, fix, position);
+            vehicle.agl_m = alarms.agl_m(index);
         }
     }
 
@@ -98,14 +99,20 @@ impl<'a> Fleet<'a> {
                 flies: matches!(vehicle.stage, Stage::Flying | Stage::Starting),
                 is_up: vehicle.has_taken_off(),
                 is_ordered: vehicle.instruction.is_some(),
+                lands: vehicle.instruction == Some(Instruction::Land),
+                returns: vehicle.instruction == Some(Instruction::Return),
                 is_over: matches!(vehicle.stage, Stage::Ended),
+                held: vehicle.ready_total,
             };
-            alarms.note(index, duty);
+            alarms.note(t_s, index, duty);
         }
         alarms.look(t_s);
         for (index, vehicle) in self.vehicles.iter_mut().enumerate() {
             if let Some(instruction) = vehicle.taken_back.take() {
                 alarms.taken_back(t_s, index, instruction.verb());
+            }
+            if let Some(text) = vehicle.left_order.take() {
+                alarms.left_order(t_s, index, text);
             }
         }
         let raised: Vec<Alarm> = std::iter::from_fn(|| alarms.poll()).collect();
@@ -211,6 +218,8 @@ impl<'a> Fleet<'a> {
             if let Some(alarms) = &mut self.alarms {
                 alarms.ordered(t_s, index, instruction == Instruction::Return);
             }
+            self.given.retain(|given| given.vehicle != index);
+            self.given.push(waiting);
             return self.vehicles[index].instruct(instruction);
         };
         if is_first {
@@ -219,6 +228,38 @@ impl<'a> Fleet<'a> {
         }
         let again = now + AGAIN_MS;
         self.waiting.push(Waiting { again, ..waiting });
+    }
+
+    /// A return that a vehicle has not obeyed yet is judged again from where it is now: it may have flown on
+    /// without hearing the order.
+    pub(super) fn judge_returns_again(&mut self, now: Time) {
+        let t_s = self.t_s(now).unwrap_or(0.0);
+        for index in 0..self.vehicles.len() {
+            let vehicle = &self.vehicles[index];
+            let (Some(alarms), true) = (&self.alarms, vehicle.is_to_return()) else {
+                continue;
+            };
+            let problem = match vehicle.is_placed() {
+                true => alarms.return_problem(t_s, index),
+                false => continue,
+            };
+            let given = self.given.iter().position(|given| given.vehicle == index);
+            let (Some(why), Some(given)) = (problem, given) else {
+                continue;
+            };
+            let given = self.given.swap_remove(given);
+            self.vehicles[index].withdraw();
+            if let Some(alarms) = &mut self.alarms {
+                alarms.ordered(t_s, index, false);
+            }
+            let id = self.vehicles[index].of.vehicle.to_owned();
+            let kind = given.kind;
+            let text =
+                format!("on_alarm {kind}: is not ordered to return any more, it continues: {why}");
+            self.say(now, Some(id), text);
+            let again = now + AGAIN_MS;
+            self.waiting.push(Waiting { again, ..given });
+        }
     }
 
     /// The wings whose circles are not clear where an operator holds them, and why.

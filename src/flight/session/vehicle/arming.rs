@@ -20,6 +20,8 @@ pub(super) const BEATS: u8 = 2;
 const FRESH_MS: f64 = 2000.0;
 /// A clock that goes back by more was started again, milliseconds.
 const RESTART_MS: u32 = 1000;
+/// A vehicle runs for so much longer before it takes off than its control needs, seconds.
+const SETTLED_S: f64 = 15.0;
 /// Texts that are remembered while it is armed, at most.
 const MAX_WARNINGS: usize = 5;
 
@@ -137,10 +139,43 @@ impl FlightVehicle<'_> {
         }
     }
 
+    /// A vehicle that holds another number of items than when they were read is not started.
+    pub(super) fn heed_total(&mut self, has_begun: bool) {
+        let is_checked = matches!(self.stage, Stage::Ready | Stage::Arming | Stage::Armed);
+        match (self.ready_total, self.total) {
+            _ if !is_checked => {}
+            (Some(ready), Some(now)) if ready != now => {
+                let why = format!(
+                    "its mission was changed on board after it was read: {now} items in place of {ready}"
+                );
+                match has_begun {
+                    true => self.disarm(Some(End::Failed(why))),
+                    false => self.stage = Stage::Refused(vec![why]),
+                }
+            }
+            (None, Some(_)) => self.ready_total = self.total,
+            _ => {}
+        }
+    }
+
     /// Its own clock at a time on the fleet's, milliseconds.
     fn own_ms(&self, flight_ms: f64) -> Option<f64> {
         let (boot_ms, heard_ms) = self.own_clock?;
         Some(f64::from(boot_ms) + (flight_ms - heard_ms).max(0.0))
+    }
+
+    /// How long it must still run before it may take off, seconds by its own clock: see
+    /// [`crate::autopilot::Facts::rises_from_boot`].
+    pub(in crate::flight) fn settles_in_s(&self, flight_ms: f64) -> Option<f64> {
+        let mission = self.of.mission;
+        let name = mission.facts().rises_from_boot?;
+        let stock_mps = parameter(name).map_or(f64::INFINITY, |row| row.default_si());
+        let climb_mps = mission
+            .param_si(name)
+            .map_or(stock_mps, |mps| mps.min(stock_mps));
+        let needs_s = SETTLED_S + f64::from(mission.home.amsl_m) / climb_mps;
+        let left_s = needs_s - self.own_ms(flight_ms)? / 1000.0;
+        (left_s > 0.0).then_some(left_s)
     }
 
     /// For how long it may have been armed by its own clock, seconds: since it was last seen disarmed.

@@ -83,6 +83,8 @@ impl FlightVehicle<'_> {
             self.stage = Stage::Refused(std::mem::take(&mut self.problems));
             return;
         }
+        // What it said while its mission was sent does not count.
+        self.total = None;
         let bytewise = self.autopilot().conventions().bytewise_parameters;
         let planned = &self.of.mission.params;
         self.request_disarm_parameter();
@@ -130,6 +132,7 @@ impl FlightVehicle<'_> {
             );
         }
         hard.extend(soft);
+        self.ready_total = self.total;
         self.stage = if hard.is_empty() {
             Stage::Ready
         } else {

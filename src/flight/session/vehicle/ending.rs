@@ -11,6 +11,14 @@ use crate::flight::session::orbit::Orbit;
 /// A heartbeat that shows the motors to stand, and none after it for this long, is the last, milliseconds.
 const SILENT_MS: u64 = 2500;
 
+/// Motors that stop higher above the ground than this did not stop on it, metres: as for the verdict.
+const HIGH_M: f64 = 10.0;
+/// A vehicle that has come to rest on the ground stops its motors within this time, seconds; slower than this
+/// it rests, m/s, and moves up and down by less, metres.
+const RUNS_ON_S: f64 = 20.0;
+const RESTS_MPS: f64 = 0.5;
+const RESTS_M: f64 = 1.0;
+
 /// Heartbeats in a row: one alone may be of another component, or wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Motors {
@@ -20,6 +28,12 @@ pub(super) struct Motors {
     ended: bool,
     /// When the first heartbeat showed them to stand, seconds after T0.
     stood_s: Option<f64>,
+    /// How high above the ground it was then, metres.
+    stood_agl_m: Option<f64>,
+    /// Since when it has rested on the ground, seconds after T0, and its altitude there, metres.
+    rests: Option<(f64, f64)>,
+    /// Whether its motors ran on after that.
+    run_on: bool,
     /// Positions since the first heartbeat that shows them to stand: of the flight if it goes on.
     since: Vec<Fix>,
 }
@@ -33,7 +47,7 @@ impl FlightVehicle<'_> {
             false => (stand.saturating_add(1), 0),
         };
         if stand == 0 && !is_armed {
-            self.motors.stood_s = Some(t_s);
+            (self.motors.stood_s, self.motors.stood_agl_m) = (Some(t_s), self.agl_m);
         }
         if is_armed {
             for fix in std::mem::take(&mut self.motors.since) {
@@ -59,8 +73,12 @@ impl FlightVehicle<'_> {
 
     /// It stopped its motors: how its flight ended.
     pub(super) fn stopped(&mut self, custom_mode: u32) {
+        let high_m = self.motors.stood_agl_m.filter(|agl_m| *agl_m > HIGH_M);
         let end = match (self.airborne, self.instruction) {
             (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
+            (true, _) if let Some(high_m) = high_m => {
+                End::Failed(format!("stopped its motors {high_m:.0} m over the ground"))
+            }
             (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => End::StoppedAfterHold,
             (true, Some(Instruction::Land))
                 if self.hold.was_in_mode() || modes::is_land(self.of.mission, custom_mode) =>
@@ -97,9 +115,13 @@ impl FlightVehicle<'_> {
     pub(in crate::flight) fn give_up(&mut self, why: String, is_lost: bool) {
         let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
         let was_started = matches!(self.stage, Stage::Armed | Stage::Starting | Stage::Flying);
-        if was_started && is_armed && !self.airborne && !is_lost {
-            let why = format!("{why}, and has not taken off");
-            return self.disarm(Some(End::Failed(why)));
+        let is_down = !self.airborne || self.motors.run_on;
+        if was_started && is_armed && is_down && !is_lost {
+            let what = match self.airborne {
+                true => "its motors run on the ground",
+                false => "has not taken off",
+            };
+            return self.disarm(Some(End::Failed(format!("{why}, and {what}"))));
         }
         self.watch_no_more(End::Failed(why), is_lost);
     }
@@ -172,6 +194,7 @@ impl FlightVehicle<'_> {
         if !matches!(self.stage, Stage::Flying) || !self.airborne {
             return;
         }
+        self.check_motors(fix);
         match self.instruction {
             Some(Instruction::Hold) => return self.check_hold(t_s, fix),
             Some(Instruction::Land | Instruction::Return) => {
@@ -183,16 +206,75 @@ impl FlightVehicle<'_> {
         let rows = self.total.unwrap_or(self.of.mission.items.len());
         if self.of.reference.lands || !self.in_mission || self.item < rows {
             self.orbit = Orbit::default();
+            (self.loiters, self.is_at_end) = (false, false);
             return;
         }
-        let stays = if self.of.mission.airframe.has_wing() {
+        let has_wing = self.of.mission.airframe.has_wing();
+        let (comes, is_off) = if has_wing {
             let at = self.of.reference.frame().to_plan(fix.place);
-            self.has_circled(fix, self.of.reference.is_on_circle(at))
+            let is_on = self.of.reference.is_on_circle(at);
+            (self.has_circled(fix, is_on), !is_on)
         } else {
-            arrival::hovers(&self.of.reference, &fix)
+            let away_m = arrival::away_m(&self.of.reference, fix.place);
+            let comes = arrival::hovers(&self.of.reference, &fix);
+            (comes, away_m > arrival::LEFT_M)
         };
-        if stays {
-            self.end(End::Loitering);
+        match (self.loiters, comes, is_off) {
+            (false, true, _) => self.said.push_back(End::Loitering.sentence()),
+            (true, _, true) => {
+                let text = "does not stay at the end of its mission any more";
+                self.said.push_back(text.to_owned());
+            }
+            _ => {}
+        }
+        self.loiters = (self.loiters || comes) && !is_off;
+        self.is_at_end = self.loiters && comes;
+    }
+
+    /// The flight of a vehicle that stays at the end of its mission is over when no other flies.
+    pub(in crate::flight) fn end_loitering(&mut self) {
+        self.say_what_was_dropped();
+        self.flown.end = End::Loitering;
+        self.stage = Stage::Ended;
+    }
+
+    /// Says once that it has come to rest on the ground and its motors run on.
+    fn check_motors(&mut self, fix: Fix) {
+        let is_low = self.agl_m.is_some_and(|agl_m| agl_m <= HIGH_M);
+        let may_be_down = is_low && fix.speed_mps <= RESTS_MPS && self.is_at_its_landing(fix);
+        let amsl_m = fix.amsl.0;
+        let rests = self
+            .motors
+            .rests
+            .filter(|(_, at_m)| (amsl_m - at_m).abs() <= RESTS_M);
+        self.motors.rests = may_be_down.then(|| rests.unwrap_or((fix.t_s, amsl_m)));
+        let since_s = self.motors.rests.map(|(since_s, _)| fix.t_s - since_s);
+        let run_on = since_s.is_some_and(|since_s| since_s >= RUNS_ON_S);
+        if run_on && !self.motors.run_on {
+            let text = "is on the ground, and its motors run on: keep away from it";
+            self.said.push_back(text.to_owned());
+        }
+        self.motors.run_on = run_on;
+    }
+
+    /// Whether it is where it has come to rest while its motors run.
+    pub(super) fn rests_on_ground(&self, fix: Fix) -> bool {
+        let rests = self.motors.rests.filter(|_| self.motors.run_on);
+        rests.is_some_and(|(_, at_m)| (fix.amsl.0 - at_m).abs() <= 3.0 * RESTS_M)
+    }
+
+    /// Whether it is where it lands: by its order, or at the end of its mission.
+    fn is_at_its_landing(&self, fix: Fix) -> bool {
+        let near_m = arrival::landing_m(self.of.mission.airframe);
+        let (home_m, rally_m) = self.away_from_returns_m(fix);
+        match self.instruction {
+            Some(Instruction::Hold) => false,
+            Some(Instruction::Land) => true,
+            Some(Instruction::Return) => home_m.min(rally_m) <= near_m,
+            None => {
+                let reference = &self.of.reference;
+                reference.lands && arrival::away_m(reference, fix.place) <= near_m
+            }
         }
     }
 
@@ -214,6 +296,7 @@ impl FlightVehicle<'_> {
         let end = match (self.holds, is_lost) {
             (true, false) => End::Held,
             (true, true) => End::Failed("held, and was not heard of since".to_owned()),
+            (false, false) if self.loiters => return self.end_loitering(),
             (false, _) => match other {
                 End::Failed(why) if self.misses_its_hold() => {
                     End::Failed(format!("{why}; hold not confirmed"))

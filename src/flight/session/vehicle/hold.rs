@@ -11,6 +11,8 @@ use crate::link::{Command, Time};
 
 /// A hold or a landing is ordered again after this time, until the mode shows it, milliseconds.
 const AGAIN_MS: u64 = 2000;
+/// A position that is older says nothing about where it is now, milliseconds.
+const PLACED_MS: u64 = 3000;
 /// One that is not seen for this long is reported, seconds; a hold of a wing that circles already,
 /// later, because a large circle takes time.
 const CONFIRM_S: f64 = 20.0;
@@ -34,6 +36,8 @@ pub(super) struct HoldWatch {
     in_mode_s: Option<f64>,
     was_in_mode: bool,
     is_reported: bool,
+    /// Whether it has left a landing or a return for another mode.
+    has_left: bool,
     /// Where it held first.
     anchor: Option<Mean>,
     /// Since when it has been near the anchor again, after it had left it, seconds after T0.
@@ -181,9 +185,17 @@ impl FlightVehicle<'_> {
             Some(Instruction::Hold) | None => return,
         };
         self.hold.was_in_mode |= in_mode;
-        if let Some(order) = order {
+        if let Some(order) = order.filter(|_| self.is_placed()) {
             self.order_again(in_mode, order);
         }
+        let has_left = self.hold.was_in_mode && !in_mode && !self.in_mission;
+        if has_left && !self.hold.has_left {
+            self.left_order = mode.map(|mode| {
+                let (verb, name) = (what, modes::name(mission, mode));
+                format!("left its {verb} for {name}, and is not ordered again")
+            });
+        }
+        self.hold.has_left = has_left;
         self.check_headway(fix, in_mode);
         let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
         if self.hold.was_in_mode || self.hold.is_reported || since_s < CONFIRM_S {
@@ -193,6 +205,23 @@ impl FlightVehicle<'_> {
         self.said.push_back(format!(
             "{what} not confirmed: its mode is another one; it is ordered again"
         ));
+    }
+
+    /// Whether it is known where it is now: a way that was judged from elsewhere is not ordered.
+    pub(crate) fn is_placed(&self) -> bool {
+        self.position_at
+            .is_some_and(|at| self.now - at <= PLACED_MS)
+    }
+
+    /// Whether it was ordered to return, and its mode has not shown that yet.
+    pub(crate) fn is_to_return(&self) -> bool {
+        self.instruction == Some(Instruction::Return) && !self.hold.was_in_mode
+    }
+
+    /// Takes an order back that it has not obeyed.
+    pub(crate) fn withdraw(&mut self) {
+        (self.instruction, self.pending) = (None, None);
+        self.orders.clear();
     }
 
     /// Whether it was ordered to land or to return and is not seen to.

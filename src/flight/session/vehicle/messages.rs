@@ -10,6 +10,11 @@ use crate::link::{
 };
 use crate::mission::Home;
 
+/// A vehicle that is so much higher than its home by its altitude, or so far from it, has taken off, metres:
+/// more than positions, homes and a takeoff run may be off.
+const UP_M: f64 = 15.0;
+const AWAY_M: f64 = 150.0;
+
 impl FlightVehicle<'_> {
     /// Takes in a message of this vehicle. `flight_ms` is the fleet's clock, `t0_ms` its T0.
     pub(crate) fn handle(
@@ -75,6 +80,7 @@ impl FlightVehicle<'_> {
                 (self.item, self.item_at) = (self.row(*seq), Some(now));
                 let is_known = (1..u16::MAX).contains(total);
                 self.total = is_known.then_some(usize::from(*total));
+                self.heed_total(t0_ms.is_some());
             }
             Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
                 self.warn(text);
@@ -175,12 +181,13 @@ impl FlightVehicle<'_> {
             self.heed_restart(position.boot_ms);
         }
         self.own_clock = Some((position.boot_ms, flight_ms));
-        let boot_ms = f64::from(position.boot_ms);
-        match self.offset.jump_s(boot_ms, flight_ms) {
-            Some(jump_s) if t0_ms.is_some() => self.said.push_back(clock_jumped(jump_s)),
-            _ => {}
+        let Some(aligned) = self.offset.align(f64::from(position.boot_ms), flight_ms) else {
+            return;
+        };
+        if let Some(jump_s) = aligned.jump_s.filter(|_| t0_ms.is_some()) {
+            self.said.push_back(clock_jumped(jump_s));
         }
-        let at_ms = self.offset.align(boot_ms, flight_ms);
+        let at_ms = aligned.at_ms;
         let fix = Fix {
             t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
             place: position.place(),
@@ -196,8 +203,9 @@ impl FlightVehicle<'_> {
         }
         self.latest = Some((at_ms, fix));
         self.is_fresh = true;
-        let is_up = position.above_home_m() > AIRBORNE_M;
-        if is_up {
+        let is_away = !self.airborne && self.is_away(&fix);
+        let is_up = position.above_home_m() > AIRBORNE_M || is_away;
+        if is_up && !self.rests_on_ground(fix) {
             self.heed_takeoff();
         }
         if matches!(
@@ -212,6 +220,13 @@ impl FlightVehicle<'_> {
                 self.record_fix(fix);
             }
         }
+    }
+
+    /// Whether it is in the air although its height above home, which may be wrong, does not show it.
+    fn is_away(&self, fix: &Fix) -> bool {
+        let up_m = fix.amsl.0 - f64::from(self.of.mission.home.amsl_m);
+        let (home_m, _) = self.away_from_returns_m(*fix);
+        up_m > UP_M || home_m > AWAY_M
     }
 
     fn heartbeat(&mut self, beat: Heartbeat, t_s: f64) {

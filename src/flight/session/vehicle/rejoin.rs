@@ -19,6 +19,7 @@ impl FlightVehicle<'_> {
         let last = flown.fixes.last();
         self.latest = last.map(|fix| (t0_ms + 1000.0 * fix.t_s, *fix));
         self.item = last.map_or(0, |fix| fix.item);
+        self.ready_total = last.map(|fix| fix.items).filter(|items| *items > 0);
         let known = flown.fixes.len();
         self.flown = flown;
         self.stage = Stage::Rejoining { known };
@@ -52,11 +53,26 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// An order of before is known by its mode.
+    /// Whether its mode may be that of an order.
+    fn may_obey(&self, order: Instruction, custom_mode: u32) -> bool {
+        let mission = self.of.mission;
+        let lands = modes::is_land(mission, custom_mode);
+        match order {
+            Instruction::Hold => modes::is_hold(mission, custom_mode),
+            Instruction::Land => lands,
+            Instruction::Return => lands || modes::is_return(mission, custom_mode),
+        }
+    }
+
+    /// An order of before is known by the record, or by its mode.
     fn rejoin_in_the_air(&mut self, custom_mode: u32) {
         self.stage = Stage::Flying;
         let mode = modes::name(self.of.mission, custom_mode);
-        let text = if self.in_mission {
+        let ordered = Instruction::of_action(self.flown.ordered);
+        let text = if let Some(order) = ordered.filter(|of| self.may_obey(*of, custom_mode)) {
+            self.begin_instruction(order);
+            format!("was ordered to {}, and is in {mode}", order.verb())
+        } else if self.in_mission {
             "flies its mission".to_owned()
         } else if modes::is_hold(self.of.mission, custom_mode) {
             self.begin_instruction(Instruction::Hold);

@@ -1,0 +1,339 @@
+//! Orders that are obeyed, left or withdrawn, and ends of flights: what an operator reads of them is true.
+#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use crate::support::sky::{Planned, Sky, lane, plan, plan_spec};
+use crate::support::{place, plane, threat};
+use sortie::flight::*;
+use sortie::geodesy::Amsl;
+use sortie::link::*;
+use sortie::simulator::Fault;
+use sortie::spec::{Action, AlarmKind, Answer, Autopilot, Finish, OnLinkLoss, Who};
+use sortie::verify::Limit;
+
+/// `MAV_MODE_FLAG_SAFETY_ARMED`.
+const ARMED: u8 = 128;
+/// Modes of `ArduCopter`.
+const GUIDED: u32 = 4;
+const LOITER: u32 = 5;
+const LAND: u32 = 9;
+
+fn two() -> Planned {
+    let fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
+    plan(fleet, OnLinkLoss::Continue)
+}
+
+fn sky(plan: &Planned) -> Sky<'_> {
+    Sky::new(plan.fleet(false, true), plan.vehicles())
+}
+
+fn returns(plan: &mut Planned) {
+    let (who, action) = (Who::Vehicle, Action::Return);
+    plan.spec.on_alarm.battery = Some(Answer { who, action });
+    plan.spec.vehicles[0].return_amsl = Some(Amsl(520.0));
+}
+
+/// How many lines of a vehicle have a text.
+fn count(sky: &Sky<'_>, vehicle: &str, text: &str) -> usize {
+    let of = sky.events.iter();
+    let of = of.filter(|event| event.vehicle.as_deref() == Some(vehicle));
+    of.filter(|event| event.text.contains(text)).count()
+}
+
+/// The messages of vehicle 1 are changed while a switch is on.
+fn change(sky: &mut Sky<'_>, change: impl Fn(&mut Message) + 'static) -> Rc<Cell<bool>> {
+    let is_on = Rc::new(Cell::new(false));
+    let switch = Rc::clone(&is_on);
+    sky.down = Some(Box::new(move |_, from, mut message| {
+        if from.system == 1 && is_on.get() {
+            change(&mut message);
+        }
+        vec![(from, message)]
+    }));
+    switch
+}
+
+fn beat(message: &mut Message, change: impl Fn(&mut Heartbeat)) {
+    if let Message::Heartbeat(beat) = message {
+        change(beat);
+    }
+}
+
+fn position(message: &mut Message, change: impl Fn(&mut Position)) {
+    if let Message::Flight(FlightMessage::Position(position)) = message {
+        change(position);
+    }
+}
+
+#[test]
+fn motors_that_stop_high_over_the_ground_did_not_land() {
+    for order in [None, Some(Intervention::Land)] {
+        let plan = two();
+        let mut sky = sky(&plan);
+        let switch = change(&mut sky, |message| {
+            beat(message, |beat| beat.base_mode &= !ARMED);
+        });
+        sky.fly_to(50.0);
+        if let Some(order) = order {
+            sky.fleet.intervene(sky.now, order);
+            sky.fly_to(55.0);
+        }
+        switch.set(true);
+        sky.fly_to(60.0);
+        let text = "m over the ground";
+        assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+        assert_eq!(count(&sky, "alpha", "landed"), 0, "{:?}", sky.events);
+    }
+}
+
+#[test]
+fn a_vehicle_that_loiters_at_its_end_is_watched_as_long_as_another_flies() {
+    let mut fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
+    fleet[0].finish = Finish::Loiter;
+    fleet[1].goal.place = place(36.310, -84.236);
+    let plan = plan(fleet, OnLinkLoss::Continue);
+    let mut sky = sky(&plan);
+    while !sky.says("alpha", "loiters at the end of its mission") {
+        sky.step();
+        assert!(sky.now.0 < 600_000, "{:?}", sky.events);
+    }
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    assert_eq!(count(&sky, "alpha", "ALARM battery"), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "alpha", "loiters"), 1, "{:?}", sky.events);
+    assert_eq!(sky.end(0), End::Loitering);
+    let report = plan.judge(&sky);
+    let broken: Vec<_> = report.margins.iter().filter(|m| !m.ok).collect();
+    assert!(broken.is_empty(), "{broken:?}");
+}
+
+#[test]
+fn an_ordered_landing_breaks_no_clearance() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(60.0);
+    sky.fleet.intervene(sky.now, Intervention::Land);
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    for (index, id) in ["alpha", "bravo"].into_iter().enumerate() {
+        assert_eq!(sky.end(index), End::LandedEarly, "{:?}", sky.events);
+        assert_eq!(count(&sky, id, "ALARM clearance"), 0, "{:?}", sky.events);
+    }
+    let report = plan.judge(&sky);
+    let clearance = |of: &&sortie::verify::Margin| of.limit == Limit::TerrainClearance;
+    let clearances: Vec<_> = report.margins.iter().filter(clearance).collect();
+    assert!(
+        clearances.len() == 2 && clearances.iter().all(|of| of.ok),
+        "{clearances:?}"
+    );
+}
+
+#[test]
+fn motors_that_run_on_after_a_landing_are_named_and_stopped_at_the_end() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let switch = change(&mut sky, |message| {
+        beat(message, |beat| beat.base_mode |= ARMED);
+    });
+    sky.fly_to(60.0);
+    switch.set(true);
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    let text = "is on the ground, and its motors run on";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "bravo", text), 0, "{:?}", sky.events);
+    let armed = |event: &Event| event.text.contains("alpha IS STILL ARMED");
+    assert!(sky.events.iter().any(armed), "{:?}", sky.events);
+}
+
+#[test]
+fn each_change_of_the_mode_is_an_alarm_of_its_own() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let mode = Rc::new(Cell::new(LOITER));
+    let is = Rc::clone(&mode);
+    let switch = change(&mut sky, move |message| {
+        beat(message, |beat| beat.custom_mode = is.get());
+    });
+    sky.fly_to(40.0);
+    switch.set(true);
+    sky.fly_to(50.0);
+    mode.set(LAND);
+    sky.fly_to(60.0);
+    for name in ["LOITER", "LAND"] {
+        let text = format!("ALARM mode: left its mission for {name}");
+        assert_eq!(count(&sky, "alpha", &text), 1, "{:?}", sky.events);
+    }
+}
+
+#[test]
+fn a_clock_that_goes_back_by_seconds_hides_no_position() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let switch = change(&mut sky, |message| {
+        position(message, |of| of.boot_ms -= 6000);
+    });
+    sky.fly_to(50.0);
+    switch.set(true);
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    let text = "its clock went back by 6 s";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "alpha", "ALARM"), 0, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    let broken: Vec<_> = report.margins.iter().filter(|m| !m.ok).collect();
+    assert!(broken.is_empty(), "{broken:?}");
+}
+
+#[test]
+fn positions_that_come_late_are_an_alarm_as_long_as_they_do() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let mut late: Vec<(Time, Address, Message)> = Vec::new();
+    sky.down = Some(Box::new(move |now, from, message| {
+        if from.system != 1 || now < Time(60_000) || now > Time(72_000) {
+            return vec![(from, message)];
+        }
+        late.push((now + 4000, from, message));
+        let due = late.iter().take_while(|(at, ..)| *at <= now).count();
+        late.drain(..due)
+            .map(|(_, from, message)| (from, message))
+            .collect()
+    }));
+    sky.fly_to(68.0);
+    let text = "ALARM position: positions come 4.";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "bravo", "ALARM"), 0, "{:?}", sky.events);
+}
+
+#[test]
+fn nobody_is_started_when_a_mission_on_board_has_changed_after_it_was_read() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let is_ready = Rc::new(Cell::new(false));
+    let ready = Rc::clone(&is_ready);
+    let mut said = 0;
+    sky.down = Some(Box::new(move |_, from, mut message| {
+        match &mut message {
+            Message::MissionCurrent { total, .. } if from.system == 1 && ready.get() => {
+                *total += 2 * u16::from(said > 1);
+                said += 1;
+            }
+            // It does not arm for a while.
+            Message::Heartbeat(beat) if from.system == 2 => beat.base_mode &= !ARMED,
+            _ => {}
+        }
+        vec![(from, message)]
+    }));
+    while sky.fleet.outcome().is_none() {
+        assert!(sky.now.0 < 600_000, "{:?}", sky.events);
+        sky.step();
+        is_ready.set(sky.events.iter().any(|event| event.text == "all are ready"));
+    }
+    let outcome = sky.fly_out();
+    let Outcome::NotStarted(why) = &outcome else {
+        panic!("{outcome:?}")
+    };
+    let changed = |(id, why): &(String, String)| {
+        id == "alpha" && why.contains("was changed on board after it was read")
+    };
+    assert!(why.iter().any(changed), "{why:?}");
+}
+
+#[test]
+fn a_vehicle_with_a_wrong_height_above_home_is_in_the_air_and_not_disarmed() {
+    let mut plan = two();
+    let (who, action) = (Who::All, Action::Hold);
+    plan.spec.on_alarm.battery = Some(Answer { who, action });
+    let mut sky = sky(&plan);
+    let switch = change(&mut sky, |message| {
+        position(message, |of| of.above_home_mm = 0);
+    });
+    switch.set(true);
+    sky.fly_to(60.0);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    sky.fly_to(80.0);
+    assert!(sky.says("alpha", "is ordered to hold"), "{:?}", sky.events);
+    assert_eq!(count(&sky, "alpha", "stays on the ground"), 0);
+    assert_eq!(count(&sky, "alpha", "has not taken off"), 0);
+    assert!(sky.says("alpha", "holds"), "{:?}", sky.events);
+}
+
+#[test]
+fn a_return_that_was_not_heard_is_judged_again_where_the_vehicle_is_by_then() {
+    let mut plan = two();
+    returns(&mut plan);
+    // It flies around it; its way home leads through it afterwards.
+    plan.spec.threats = vec![threat("mast", place(36.3010, -84.2545), 60.0)];
+    let plan = plan_spec(plan.spec);
+    let mut sky = sky(&plan);
+    let is_deaf = Rc::new(Cell::new(false));
+    let deaf = Rc::clone(&is_deaf);
+    sky.up = Some(Box::new(move |_, system, message| {
+        let is_order = matches!(message, Message::Flight(FlightMessage::Command { .. }));
+        (system == 1 && deaf.get() && is_order).then(Vec::new)
+    }));
+    sky.fly_to(30.0);
+    is_deaf.set(true);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    sky.fly_to(35.0);
+    assert!(
+        sky.says("alpha", "is ordered to return"),
+        "{:?}",
+        sky.events
+    );
+    sky.fly_to(70.0);
+    is_deaf.set(false);
+    sky.fly_to(78.0);
+    let text = "is not ordered to return any more, it continues: its way home leads into mast";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "alpha", "ALARM threat"), 0, "{:?}", sky.events);
+    let alpha = sky.fleet.status(sky.now);
+    assert_eq!(alpha[0].mode.as_deref(), Some("AUTO"), "{:?}", sky.events);
+}
+
+#[test]
+fn a_vehicle_that_leaves_its_return_for_another_mode_is_an_alarm() {
+    let mut plan = two();
+    returns(&mut plan);
+    let mut sky = sky(&plan);
+    let switch = change(&mut sky, |message| {
+        beat(message, |beat| beat.custom_mode = GUIDED);
+    });
+    sky.fly_to(40.0);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    sky.fly_to(50.0);
+    assert!(
+        sky.says("alpha", "is ordered to return"),
+        "{:?}",
+        sky.events
+    );
+    switch.set(true);
+    sky.fly_to(60.0);
+    let text = "ALARM mode: left its return for GUIDED";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    let kinds = sky.fleet.status(sky.now)[0].alarms.clone();
+    assert!(kinds.contains(&AlarmKind::Battery), "{kinds:?}");
+}
+
+#[test]
+fn a_plane_of_px4_that_was_started_a_moment_ago_is_waited_for() {
+    let mut spec = plane("alpha", 1, place(36.30, -84.27), place(36.30, -84.23));
+    spec.autopilot = Autopilot::Px4;
+    spec.finish = Finish::Loiter;
+    if let Some(wing) = &mut spec.wing {
+        wing.landing = None;
+    }
+    spec.speed_mps = 18.0;
+    let plan = plan(vec![spec], OnLinkLoss::Continue);
+    let mut sky = sky(&plan);
+    // It has been running for an hour.
+    let switch = change(&mut sky, |message| {
+        position(message, |of| of.boot_ms -= 3_600_000);
+    });
+    switch.set(true);
+    sky.fly_to(0.5);
+    let text = "was started too short a time ago, and would sink after its takeoff";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    // Its home is at 400 m, and it climbs at 5 m/s at most.
+    assert!(sky.now > Time(90_000), "{:?}", sky.now);
+}
