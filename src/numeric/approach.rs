@@ -7,8 +7,10 @@
 //! convex polygon: at its stationary point if that lies inside, else on an edge.
 
 mod pair;
+mod whole;
 
 use pair::Pair;
+pub use whole::{Whole, may_be_near};
 
 /// A straight motion of constant velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +63,16 @@ impl Segment {
         let side = |axis: usize| self.from_m[axis] + self.velocity_mps[axis] * since_s;
         [side(0), side(1), side(2)]
     }
+
+    /// The same motion by some seconds later.
+    #[must_use]
+    pub fn later(&self, later_s: f64) -> Self {
+        Self {
+            t0_s: self.t0_s + later_s,
+            t1_s: self.t1_s + later_s,
+            ..*self
+        }
+    }
 }
 
 /// More than rounding takes from a distance of places on earth, metres.
@@ -112,55 +124,6 @@ pub fn are_surely_apart(
     let (east_m, north_m) = (gap(0), gap(1));
     let limit_m = horizontal_m + ROUNDING_M;
     east_m * east_m + north_m * north_m > limit_m * limit_m
-}
-
-/// Whether two motions may be within some distances, horizontally and in height, at some pair of
-/// times that counts: by where each is relative to the other at one time, and how far the second
-/// gets meanwhile within the slack. `true` proves nothing.
-#[must_use]
-pub fn may_be_near(
-    a: &Segment,
-    b: &Segment,
-    slack_s: f64,
-    horizontal_m: f64,
-    vertical_m: f64,
-) -> bool {
-    let (t0, t1) = shared_s(a, b, slack_s);
-    if t0 > t1 {
-        return false;
-    }
-    // Two that stay for ever are where they are at the beginning.
-    let lasts_s = if t1.is_finite() { t1 - t0 } else { 0.0 };
-    let (p, q) = (a.at(t0), b.at(t0));
-    let apart = [0, 1, 2].map(|axis| p[axis] - q[axis]);
-    let moving = [0, 1, 2].map(|axis| a.velocity_mps[axis] - b.velocity_mps[axis]);
-    let [east_mps, north_mps, up_mps] = b.velocity_mps;
-    // When heights are near enough.
-    let level_m = vertical_m + up_mps.abs() * slack_s + ROUNDING_M;
-    let (mut from_s, mut to_s) = (0.0_f64, lasts_s);
-    if moving[2].abs() > 1e-12 {
-        let times = [-level_m, level_m].map(|level_m| (level_m - apart[2]) / moving[2]);
-        from_s = from_s.max(times[0].min(times[1]));
-        to_s = to_s.min(times[0].max(times[1]));
-    } else if apart[2].abs() > level_m + ROUNDING_M {
-        return false;
-    }
-    if from_s > to_s + 1e-9 {
-        return false;
-    }
-    let square = moving[0] * moving[0] + moving[1] * moving[1];
-    let nearest_s = if square > 0.0 {
-        let best_s = -(apart[0] * moving[0] + apart[1] * moving[1]) / square;
-        best_s.max(from_s).min(to_s)
-    } else {
-        from_s
-    };
-    let (east_m, north_m) = (
-        apart[0] + moving[0] * nearest_s,
-        apart[1] + moving[1] * nearest_s,
-    );
-    let limit_m = horizontal_m + east_mps.hypot(north_mps) * slack_s + ROUNDING_M;
-    east_m * east_m + north_m * north_m <= limit_m * limit_m
 }
 
 /// Least distance in three dimensions over `t` in A, `u` in B, `|u - t| <= slack_s`.
@@ -281,7 +244,9 @@ impl Levels<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Segment, are_surely_apart, closest_approach, closest_horizontal, least_ratio};
+    use super::{
+        Segment, are_surely_apart, closest_approach, closest_horizontal, least_ratio, may_be_near,
+    };
     use proptest::prelude::*;
 
     const STEPS: u32 = 300;
@@ -379,6 +344,21 @@ mod tests {
                 prop_assert!(near.is_none_or(|near| near.value >= horizontal_m), "{near:?}");
             }
             if are_surely_apart(&a, &b, slack_s, horizontal_m, horizontal_m) {
+                let near = closest_approach(&a, &b, slack_s);
+                prop_assert!(near.is_none_or(|near| near.value >= horizontal_m), "{near:?}");
+            }
+        }
+
+        #[test]
+        fn what_may_not_be_near_is_apart(
+            a in segment(), b in segment(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
+            horizontal_m in 10.0..300.0_f64, vertical_m in 5.0..120.0_f64
+        ) {
+            if !may_be_near(&a, &b, slack_s, horizontal_m, vertical_m) {
+                let near = closest_horizontal(&a, &b, slack_s, vertical_m);
+                prop_assert!(near.is_none_or(|near| near.value >= horizontal_m), "{near:?}");
+            }
+            if !may_be_near(&a, &b, slack_s, horizontal_m, horizontal_m) {
                 let near = closest_approach(&a, &b, slack_s);
                 prop_assert!(near.is_none_or(|near| near.value >= horizontal_m), "{near:?}");
             }

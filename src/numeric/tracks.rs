@@ -5,9 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::approach::{
-    Segment, are_surely_apart, closest_approach, closest_horizontal, may_be_near,
-};
+use super::approach::{Segment, Whole, are_surely_apart, closest_approach, closest_horizontal};
 use super::cells::{Cells, Extent};
 
 /// Most motions that share a box, and fewest that are split once more.
@@ -62,57 +60,6 @@ struct Run {
     whole: Whole,
 }
 
-/// One motion over several, and the furthest that these are from it at the same time, metres.
-#[derive(Clone, Copy, Debug)]
-struct Whole {
-    motion: Segment,
-    off_m: f64,
-    off_up_m: f64,
-}
-
-impl Whole {
-    fn over(segments: &[Segment]) -> Self {
-        let (first, last) = (segments[0], segments[segments.len() - 1]);
-        let end = |segment: &Segment| match segment.t1_s.is_finite() {
-            true => segment.at(segment.t1_s),
-            false => segment.from_m,
-        };
-        let motion = match segments {
-            [one] => *one,
-            _ => Segment::between((first.t0_s, first.from_m), (last.t1_s, end(&last))),
-        };
-        let (mut off_m, mut off_up_m) = (0.0_f64, 0.0_f64);
-        let mut see = |t_s: f64, at: [f64; 3]| {
-            let there = match t_s.is_finite() && motion.t1_s.is_finite() {
-                true => motion.at(t_s),
-                false => motion.from_m,
-            };
-            off_m = off_m.max((at[0] - there[0]).hypot(at[1] - there[1]));
-            off_up_m = off_up_m.max((at[2] - there[2]).abs());
-        };
-        for segment in segments {
-            see(segment.t0_s, segment.from_m);
-            see(segment.t1_s, end(segment));
-        }
-        Self {
-            motion,
-            off_m,
-            off_up_m,
-        }
-    }
-
-    /// Whether a motion may come too near to any of those.
-    fn may_be_near(&self, own: &Self, nearness: &Nearness) -> bool {
-        may_be_near(
-            &own.motion,
-            &self.motion,
-            nearness.slack_s,
-            nearness.distance_m + self.off_m + own.off_m,
-            nearness.height_m() + self.off_up_m + own.off_up_m,
-        )
-    }
-}
-
 impl Run {
     fn around(first: usize, segments: &[Segment]) -> Self {
         let mut all = [(f64::INFINITY, f64::NEG_INFINITY); 4];
@@ -164,6 +111,20 @@ impl Run {
         })
     }
 
+    /// The same by some seconds later.
+    fn later(&self, later_s: f64) -> Self {
+        let (from_s, to_s) = self.extent[0];
+        Self {
+            extent: [
+                (from_s + later_s, to_s + later_s),
+                self.extent[1],
+                self.extent[2],
+            ],
+            whole: self.whole.later(later_s),
+            ..*self
+        }
+    }
+
     /// Whether something in another run may be too near, by the boxes.
     fn may_meet(&self, reach: &Extent, other: &Self, nearness: &Nearness) -> bool {
         let apart_m = (self.up_m.0 - other.up_m.1).max(other.up_m.0 - self.up_m.1);
@@ -193,23 +154,6 @@ impl Track {
         Self { segments, runs }
     }
 
-    /// The same by some seconds later.
-    #[must_use]
-    pub fn delayed(&self, later_s: f64) -> Self {
-        let mut later = self.clone();
-        for segment in &mut later.segments {
-            segment.t0_s += later_s;
-            segment.t1_s += later_s;
-        }
-        for run in &mut later.runs {
-            let times = &mut run.extent[0];
-            *times = (times.0 + later_s, times.1 + later_s);
-            let motion = &mut run.whole.motion;
-            (motion.t0_s, motion.t1_s) = (motion.t0_s + later_s, motion.t1_s + later_s);
-        }
-        later
-    }
-
     /// The motions.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
@@ -220,23 +164,28 @@ impl Track {
         &self.segments[run.first..run.end]
     }
 
-    /// Whether two runs come too near each other.
-    fn meets(&self, own: &Run, other: &Self, run: &Run, nearness: &Nearness) -> bool {
+    /// Whether two runs come too near each other, the own one some seconds later than its motions.
+    fn meets(
+        &self,
+        (own, later_s): (&Run, f64),
+        (other, run): (&Self, &Run),
+        nearness: &Nearness,
+    ) -> bool {
         let (distance_m, height_m) = (nearness.distance_m, nearness.height_m());
-        if !run.whole.may_be_near(&own.whole, nearness) {
+        let may_be_near = |own: &Whole| {
+            let whole = &run.whole;
+            whole.may_be_near(own, nearness.slack_s, (distance_m, height_m))
+        };
+        if !may_be_near(&own.whole) {
             return false;
         }
-        let one = |motion: &Segment| Whole {
-            motion: *motion,
-            off_m: 0.0,
-            off_up_m: 0.0,
-        };
         let own = self.segments_of(own).iter();
-        let mut own = own.filter(|a| run.whole.may_be_near(&one(a), nearness));
+        let own = own.map(|segment| segment.later(later_s));
+        let mut own = own.filter(|a| may_be_near(&Whole::of(a)));
         own.any(|a| {
             other.segments_of(run).iter().any(|b| {
-                !are_surely_apart(a, b, nearness.slack_s, distance_m, height_m)
-                    && nearness.is_broken(a, b)
+                !are_surely_apart(&a, b, nearness.slack_s, distance_m, height_m)
+                    && nearness.is_broken(&a, b)
             })
         })
     }
@@ -353,7 +302,7 @@ impl Tracks {
                     let track_of = &self.tracks[track];
                     let other = &track_of.runs[other];
                     is_near[track] = run.may_meet(&reach, other, nearness)
-                        && own.meets(run, track_of, other, nearness);
+                        && own.meets((run, 0.0), (track_of, other), nearness);
                 });
             }
         }
@@ -371,8 +320,9 @@ impl Tracks {
     ) -> Vec<Vec<usize>> {
         let pairs = self.pairs_of_runs(own, nearness, among, delays_s);
         let near = |later_s: f64| {
-            let own = own.delayed(later_s);
-            let reaches: Vec<Extent> = own.runs.iter().map(|run| run.reach(nearness)).collect();
+            let runs = own.runs.iter().map(|run| run.later(later_s));
+            let runs: Vec<Run> = runs.collect();
+            let reaches: Vec<Extent> = runs.iter().map(|run| run.reach(nearness)).collect();
             let mut is_near = vec![false; self.tracks.len()];
             for &(run, track, other) in &pairs {
                 if is_near[track] {
@@ -380,9 +330,9 @@ impl Tracks {
                 }
                 let track_of = &self.tracks[track];
                 let (reach, other) = (&reaches[run], &track_of.runs[other]);
-                let run = &own.runs[run];
+                let run = &runs[run];
                 is_near[track] = run.may_meet(reach, other, nearness)
-                    && own.meets(run, track_of, other, nearness);
+                    && own.meets((run, later_s), (track_of, other), nearness);
             }
             numbers(&is_near)
         };
@@ -421,18 +371,27 @@ impl Tracks {
         pairs
     }
 
-    /// Whether any track comes too near.
+    /// Whether any of the tracks that count comes too near to a track that is flown some seconds
+    /// later. `counts` gets the number of a track.
     #[must_use]
-    pub fn is_any_near(&self, own: &Track, nearness: &Nearness) -> bool {
+    pub fn is_any_near(
+        &self,
+        (own, later_s): (&Track, f64),
+        nearness: &Nearness,
+        counts: impl Fn(usize) -> bool,
+    ) -> bool {
         own.runs.iter().any(|run| {
+            let run = &run.later(later_s);
             let reach = run.reach(nearness);
             self.parts.iter().any(|part| {
                 part.cells.any(&reach, |item| {
                     let (track, other) = part.items[item];
-                    let track_of = &self.tracks[track as usize];
+                    let track = track as usize;
+                    let track_of = &self.tracks[track];
                     let other = &track_of.runs[other as usize];
                     run.may_meet(&reach, other, nearness)
-                        && own.meets(run, track_of, other, nearness)
+                        && counts(track)
+                        && own.meets((run, later_s), (track_of, other), nearness)
                 })
             })
         })

@@ -70,7 +70,7 @@ proptest! {
             let by_all = one_by_one.near_by_all(own, &nearness, from);
             prop_assert_eq!(one_by_one.near(own, &nearness, from), by_all);
             let is_near = !one_by_one.near_by_all(own, &nearness, 0).is_empty();
-            prop_assert_eq!(one_by_one.is_any_near(own, &nearness), is_near);
+            prop_assert_eq!(one_by_one.is_any_near((own, 0.0), &nearness, |_| true), is_near);
             prop_assert_eq!(
                 at_once.near(own, &nearness, from),
                 at_once.near_by_all(own, &nearness, from)
@@ -92,7 +92,10 @@ proptest! {
         for own in &fleet {
             let all = tracks.near_delayed(own, &nearness, among.clone(), &delays);
             for (found, &later_s) in all.into_iter().zip(&delays) {
-                let later = own.delayed(later_s);
+                let later = own.segments().iter().map(|segment| segment.later(later_s));
+                let later = Track::new(later.collect());
+                let is_any = tracks.is_any_near((own, later_s), &nearness, |one| one >= from);
+                prop_assert_eq!(is_any, !found.is_empty());
                 prop_assert_eq!(found, tracks.near_by_all(&later, &nearness, from));
             }
         }

@@ -235,7 +235,7 @@ pub fn plan_each_alone(spec: &MissionSpec, world: &World, request: &Request<'_>)
 ///
 /// A vehicle that is planned anew is planned around those it was planned around before,
 /// and others as need be. In a large fleet it first gives way to all others, so that nobody else
-/// is planned again; the vehicles for which that fails are planned in priority order.
+/// is planned again; a vehicle for which that fails pushes aside those after it.
 #[must_use]
 pub fn replan(
     previous: &FleetPlan,
@@ -247,16 +247,12 @@ pub fn replan(
     let planning = Planning::new(spec, world, request);
     let is_whole = previous.vehicles.len() == spec.vehicles.len();
     let is_large = is_whole && spec.vehicles.len() > MOST_IN_ORDER;
-    let (vehicles, again) = match is_large && spec.planner.objective != Objective::Paper {
-        true => repaired(planning, &previous.vehicles, again),
-        false => (previous.vehicles.clone(), again.to_vec()),
-    };
-    let mut plan = match is_large && again.is_empty() {
+    let mut plan = match is_large && spec.planner.objective != Objective::Paper {
         true => FleetPlan {
             seed: request.seed,
-            vehicles,
+            vehicles: repaired(planning, &previous.vehicles, again),
         },
-        false => Fleet::new(planning, &again, vehicles).plan_in_parallel(),
+        false => Fleet::new(planning, again, previous.vehicles.clone()).plan_in_parallel(),
     };
     // Neither margins nor other flights change a bound.
     for (vehicle, previous) in plan.vehicles.iter_mut().zip(&previous.vehicles) {

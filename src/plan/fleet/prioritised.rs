@@ -389,7 +389,9 @@ impl<'a> Fleet<'a> {
         let mut path = path.clone();
         // At the time that is looked for there is none.
         path.terms.collision = 0.0;
-        let plan = self.planning.at_another_time(index, &path, &self.tracks)?;
+        let plan = self
+            .planning
+            .at_another_time(index, &path, (&self.tracks, &|_| true))?;
         Some(VehiclePlan {
             avoids: avoids.to_vec(),
             ..plan

@@ -6,6 +6,10 @@
 //! vehicles as had failed. Here nobody else moves. A vehicle keeps its line in the plane if that is
 //! enough, and flies it at another time if others are in the way then. Only where that fails it is
 //! searched anew.
+//!
+//! A vehicle for which no path is found among all others pushes some aside: see [`pushing`].
+
+mod pushing;
 
 use rayon::prelude::*;
 
@@ -22,6 +26,8 @@ use crate::spec::Algorithm;
 const WINDOW: usize = 32;
 /// Searches around others, each around those that the one before met as well, at most.
 const SEARCHES: usize = 9;
+/// How often vehicles for which there is no path push others aside, at most.
+const PUSHES: usize = 12;
 /// Departures from which a vehicle is searched around others, until a path keeps every limit.
 const DEPARTURES: usize = 4;
 
@@ -32,10 +38,12 @@ struct Repair<'a> {
     plans: Vec<VehiclePlan>,
     /// By vehicle; none where it is not planned yet.
     flights: Vec<Option<Flight>>,
-    /// Of the vehicles that have a flight.
+    /// Of the vehicles that have a flight, and some that were flown before.
     tracks: Tracks,
     /// The vehicle of each track.
     vehicles: Vec<usize>,
+    /// By vehicle: the number of the track of its flight.
+    current: Vec<Option<usize>>,
     /// Vehicles whose new plan breaks a limit among the others.
     failed: Vec<usize>,
 }
@@ -43,6 +51,8 @@ struct Repair<'a> {
 /// A vehicle that is planned again.
 struct Pending {
     vehicle: usize,
+    /// Only vehicles with a lower index are in its way.
+    below: usize,
     classes: KnownClasses,
     /// Its old line at the altitudes that are now required, at its old departure, if that is good.
     lifted: Option<VehiclePlan>,
@@ -62,33 +72,28 @@ struct Planned {
     is_good: bool,
 }
 
-/// The plans with those of some vehicles made again, and the vehicles for which no path was found
-/// that keeps every limit among all others.
+/// The plans with those of some vehicles made again. Where no path was found that keeps every limit
+/// among those before a vehicle, its plan breaks one.
 pub(super) fn repaired(
     planning: Planning<'_>,
     previous: &[VehiclePlan],
     again: &[usize],
-) -> (Vec<VehiclePlan>, Vec<usize>) {
+) -> Vec<VehiclePlan> {
     let mut repair = Repair::new(planning, previous, again);
     let again: Vec<usize> = (again.iter().copied())
         .filter(|&vehicle| vehicle < previous.len())
         .collect();
-    let each = again.into_par_iter().map(|vehicle| repair.pending(vehicle));
-    let all: Vec<(Pending, Option<Planned>)> = each.collect();
-    // Those that can stay where they were come first, so that nobody moves into their way.
-    let mut waiting = repair.commit_free(all);
-    while !waiting.is_empty() {
-        let rest = waiting.split_off(waiting.len().min(WINDOW));
-        let each = waiting.into_par_iter().map(|mut pending| {
-            let planned = repair.planned(&mut pending);
-            (pending, Some(planned))
-        });
-        let all = each.collect();
-        waiting = repair.commit_free(all);
-        waiting.extend(rest);
+    repair.plan_again(&again);
+    for _ in 0..PUSHES {
+        let mut failed = std::mem::take(&mut repair.failed);
+        in_order(&mut failed);
+        let pushed = repair.push_aside(&failed);
+        if pushed.is_empty() {
+            break;
+        }
+        repair.plan_again(&pushed);
     }
-    repair.failed.sort_unstable();
-    (repair.plans, repair.failed)
+    repair.plans
 }
 
 impl Pending {
@@ -106,6 +111,34 @@ impl Pending {
 }
 
 impl<'a> Repair<'a> {
+    /// Plans vehicles that have no flight among all that have one.
+    fn plan_again(&mut self, again: &[usize]) {
+        let each = again.par_iter().map(|&vehicle| self.pending(vehicle));
+        let all: Vec<(Pending, Option<Planned>)> = each.collect();
+        // Those that can stay where they were come first, so that nobody moves into their way.
+        let waiting = self.commit_free(all);
+        self.plan_waiting(waiting);
+    }
+
+    fn plan_waiting(&mut self, mut waiting: Vec<Pending>) {
+        while !waiting.is_empty() {
+            let rest = waiting.split_off(waiting.len().min(WINDOW));
+            let each = waiting.into_par_iter().map(|mut pending| {
+                let planned = self.planned(&mut pending);
+                (pending, Some(planned))
+            });
+            let all = each.collect();
+            waiting = self.commit_free(all);
+            waiting.extend(rest);
+        }
+    }
+
+    /// Whether the track of a number is that of a vehicle as it flies now, with an index below one.
+    fn counts(&self, number: usize, below: usize) -> bool {
+        let vehicle = self.vehicles[number];
+        vehicle < below && self.current[vehicle] == Some(number)
+    }
+
     fn new(planning: Planning<'a>, previous: &[VehiclePlan], again: &[usize]) -> Self {
         let mut stands = vec![true; previous.len()];
         for &vehicle in again {
@@ -120,12 +153,18 @@ impl<'a> Repair<'a> {
         let standing: Vec<Track> = (flights.par_iter().flatten()).map(Flight::track).collect();
         let mut tracks = Tracks::new(&nearness(planning.spec, Margins::default()));
         tracks.extend(standing);
+        let vehicles: Vec<usize> = (0..previous.len()).filter(|&one| stands[one]).collect();
+        let mut current = vec![None; previous.len()];
+        for (number, &vehicle) in vehicles.iter().enumerate() {
+            current[vehicle] = Some(number);
+        }
         Self {
             planning,
             plans: previous.to_vec(),
             flights,
             tracks,
-            vehicles: (0..previous.len()).filter(|&one| stands[one]).collect(),
+            vehicles,
+            current,
             failed: Vec::new(),
         }
     }
@@ -142,6 +181,7 @@ impl<'a> Repair<'a> {
         let lifted = decodes.then(|| planning.lift_vehicle(vehicle, old, EarlierFlights::none()));
         let mut pending = Pending {
             vehicle,
+            below: usize::MAX,
             classes: KnownClasses::default(),
             lifted: None,
             alone: None,
@@ -152,12 +192,13 @@ impl<'a> Repair<'a> {
             pending.count(&lifted);
             pending.lifted = Some(counted(&lifted));
         }
-        let planned = (pending.lifted.as_ref()).map(|lifted| self.lifted(vehicle, lifted));
+        let at = (vehicle, pending.below);
+        let planned = (pending.lifted.as_ref()).map(|lifted| self.lifted(at, lifted));
         (pending, planned.filter(|planned| planned.is_good))
     }
 
-    fn lifted(&self, vehicle: usize, lifted: &VehiclePlan) -> Planned {
-        self.with_flight(vehicle, lifted.clone(), &[])
+    fn lifted(&self, at: (usize, usize), lifted: &VehiclePlan) -> Planned {
+        self.with_flight(at, lifted.clone(), &[])
     }
 
     /// Commits the plans that do not come too near to those before them, in order, and those for which
@@ -172,7 +213,9 @@ impl<'a> Repair<'a> {
             };
             let nearness = self.planning.nearness(pending.vehicle);
             let met = self.tracks.near(&planned.track, &nearness, before);
-            if met.is_empty() || !planned.is_good {
+            let mut met = met.into_iter();
+            let is_met = met.any(|number| self.counts(number, pending.below));
+            if !is_met || !planned.is_good {
                 self.commit(&pending, planned);
             } else {
                 pending.count(&planned.plan);
@@ -184,14 +227,16 @@ impl<'a> Repair<'a> {
 
     /// The next plan of a vehicle among all that have a flight.
     fn planned(&self, pending: &mut Pending) -> Planned {
-        let vehicle = pending.vehicle;
+        let (vehicle, below) = (pending.vehicle, pending.below);
+        let at = (vehicle, below);
         let mut avoids = self.plans[vehicle].avoids.clone();
+        avoids.retain(|&other| other < below);
         if let Some(lifted) = &pending.lifted {
-            let planned = self.lifted(vehicle, lifted);
+            let planned = self.lifted(at, lifted);
             if planned.is_good {
                 return planned;
             }
-            avoids.extend(self.met(vehicle, &planned.track));
+            avoids.extend(self.met(at, &planned.track));
             in_order(&mut avoids);
         }
         if !self.planning.spec.vehicles[vehicle].retiming.is_open() {
@@ -200,22 +245,27 @@ impl<'a> Repair<'a> {
         }
         let alone = self.alone(pending);
         let planning = self.planning.of(vehicle);
-        if let Some(plan) = planning.at_another_time(vehicle, &alone, &self.tracks) {
-            return self.with_flight(vehicle, VehiclePlan { avoids, ..plan }, &[]);
+        let counts = |number: usize| self.counts(number, below);
+        if let Some(plan) = planning.at_another_time(vehicle, &alone, (&self.tracks, &counts)) {
+            return self.with_flight(at, VehiclePlan { avoids, ..plan }, &[]);
         }
         let nearness = planning.nearness(vehicle);
         let met = |track: &Track, delays_s: &[f64]| {
             let all = 0..self.tracks.len();
-            self.tracks.near_delayed(track, &nearness, all, delays_s)
+            let met = self.tracks.near_delayed(track, &nearness, all, delays_s);
+            let met = met
+                .into_iter()
+                .map(|numbers| self.of_tracks(numbers, below));
+            met.collect()
         };
         let departures = planning.departures_by_conflicts(vehicle, &alone, &met);
         let best = departures.into_iter().take(DEPARTURES);
         let around = best.map(|(depart_s, others)| {
             let path = planning.departing(vehicle, &alone, depart_s);
             let track = planning.flight(vehicle, &path).track();
-            let mut avoids = self.of_tracks(others);
+            let mut avoids = others;
             // The way around them would meet more.
-            avoids.extend(self.about(vehicle, &track));
+            avoids.extend(self.about(at, &track));
             (Some(depart_s), avoids)
         });
         self.searched(pending, around.collect())
@@ -245,7 +295,7 @@ impl<'a> Repair<'a> {
     /// A path around others: from the first of some departures from which one is found that keeps every
     /// limit, and where there is none the last that was found.
     fn searched(&self, pending: &mut Pending, from: Vec<(Option<f64>, Vec<usize>)>) -> Planned {
-        let vehicle = pending.vehicle;
+        let at = (pending.vehicle, pending.below);
         let mut last: Option<Planned> = None;
         for (depart_s, mut avoids) in from {
             for _ in 0..SEARCHES {
@@ -256,11 +306,11 @@ impl<'a> Repair<'a> {
                     return planned;
                 }
                 let known = avoids.len();
-                let met = self.met(vehicle, &planned.track);
+                let met = self.met(at, &planned.track);
                 if met.iter().any(|other| !avoids.contains(other)) {
                     // One way around others has met more: the next knows all who are about.
                     avoids.extend(met);
-                    avoids.extend(self.about(vehicle, &planned.track));
+                    avoids.extend(self.about(at, &planned.track));
                     in_order(&mut avoids);
                 }
                 let is_clean = planned.plan.terms.is_clean();
@@ -270,7 +320,7 @@ impl<'a> Repair<'a> {
                 }
             }
         }
-        last.unwrap_or_else(|| self.with_flight(vehicle, self.plans[vehicle].clone(), &[]))
+        last.unwrap_or_else(|| self.with_flight(at, self.plans[at.0].clone(), &[]))
     }
 
     fn around(&self, pending: &Pending, depart_s: Option<f64>, avoids: &[usize]) -> Planned {
@@ -284,14 +334,14 @@ impl<'a> Repair<'a> {
         let earlier = EarlierFlights::from(flights.collect::<Vec<Flight>>());
         let estimated = Some(self.plans[vehicle].estimate);
         let plan = planning.plan_vehicle(vehicle, avoids.to_vec(), &earlier, estimated);
-        self.with_flight(vehicle, plan, avoids)
+        self.with_flight((vehicle, pending.below), plan, avoids)
     }
 
     /// A plan as it is flown. It may come near some whose distance it was searched with.
-    fn with_flight(&self, vehicle: usize, plan: VehiclePlan, searched: &[usize]) -> Planned {
-        let flight = self.planning.flight(vehicle, &plan);
+    fn with_flight(&self, at: (usize, usize), plan: VehiclePlan, searched: &[usize]) -> Planned {
+        let flight = self.planning.flight(at.0, &plan);
         let track = flight.track();
-        let met = self.met(vehicle, &track);
+        let met = self.met(at, &track);
         let is_apart = met.iter().all(|other| searched.contains(other));
         Planned {
             is_good: is_apart && plan.terms.is_clean(),
@@ -301,20 +351,22 @@ impl<'a> Repair<'a> {
         }
     }
 
-    /// The vehicles that a track comes too near to.
-    fn met(&self, vehicle: usize, track: &Track) -> Vec<usize> {
+    /// The vehicles with an index below one that the track of a vehicle comes too near to.
+    fn met(&self, (vehicle, below): (usize, usize), track: &Track) -> Vec<usize> {
         let nearness = self.planning.nearness(vehicle);
-        self.of_tracks(self.tracks.near(track, &nearness, 0))
+        self.of_tracks(self.tracks.near(track, &nearness, 0), below)
     }
 
-    /// The vehicles that are about while a track is flown.
-    fn about(&self, vehicle: usize, track: &Track) -> Vec<usize> {
+    /// Those that are about while a track is flown.
+    fn about(&self, (vehicle, below): (usize, usize), track: &Track) -> Vec<usize> {
         let nearness = wider(&self.planning.nearness(vehicle));
-        self.of_tracks(self.tracks.near(track, &nearness, 0))
+        self.of_tracks(self.tracks.near(track, &nearness, 0), below)
     }
 
-    fn of_tracks(&self, numbers: Vec<usize>) -> Vec<usize> {
+    /// The vehicles of tracks that count.
+    fn of_tracks(&self, numbers: Vec<usize>, below: usize) -> Vec<usize> {
         let numbers = numbers.into_iter();
+        let numbers = numbers.filter(|&number| self.counts(number, below));
         numbers.map(|number| self.vehicles[number]).collect()
     }
 
@@ -328,6 +380,7 @@ impl<'a> Repair<'a> {
             ..plan
         };
         self.flights[vehicle] = Some(planned.flight);
+        self.current[vehicle] = Some(self.tracks.len());
         self.tracks.extend([planned.track]);
         self.vehicles.push(vehicle);
     }

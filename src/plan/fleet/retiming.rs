@@ -33,6 +33,9 @@ const TOLERANCE: f64 = 1e-9;
 /// Finds the vehicles that come near a track at each of some delays, seconds.
 type Met<'m> = dyn Fn(&Track, &[f64]) -> Vec<Vec<usize>> + 'm;
 
+/// Whether the track of a number is in the way.
+pub(crate) type Counts<'c> = dyn Fn(usize) -> bool + Sync + 'c;
+
 /// A departure and a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Choice {
@@ -48,11 +51,12 @@ struct Choice {
 impl Planning<'_> {
     /// The path that a vehicle would fly alone, at the departure and speed nearest to the
     /// specified ones at which it is apart from others; none if there is no such time and speed.
+    /// Of the others only tracks whose number counts are in its way.
     pub(crate) fn at_another_time(
         &self,
         index: usize,
         alone: &VehiclePlan,
-        others: &Tracks,
+        others: (&Tracks, &Counts<'_>),
     ) -> Option<VehiclePlan> {
         let vehicle = &self.spec.vehicles[index];
         let nearness = self.nearness(index);
@@ -72,17 +76,19 @@ impl Planning<'_> {
                 ..choice
             });
         }
-        let is_apart = |track: &Track| !others.is_any_near(track, &nearness);
+        let (others, counts) = others;
+        let is_apart =
+            |track: &Track, later_s: f64| !others.is_any_near((track, later_s), &nearness, counts);
         // A vehicle in the air has its times, whatever its departure.
         let is_airborne = self.world.stations[index].departure.is_airborne();
         let free = |choice: &Choice| {
             let later_s = choice.depart_s - vehicle.depart_s;
-            if !is_airborne && !is_apart(&tracks[choice.speed].delayed(later_s)) {
+            if !is_airborne && !is_apart(&tracks[choice.speed], later_s) {
                 return None;
             }
             // The same again but for rounding.
             let plan = self.retimed(index, alone, *choice);
-            is_apart(&self.flight(index, &plan).track()).then_some(plan)
+            is_apart(&self.flight(index, &plan).track(), 0.0).then_some(plan)
         };
         let first = |count: f64| {
             let choices = choices(vehicle, &ways, count);
