@@ -24,6 +24,8 @@ pub struct SearchOptions {
     pub restarts: bool,
     /// Whether a swarm that begins again fits its best path anew.
     pub redrawing: bool,
+    /// Whether other valleys beside what is found are searched.
+    pub valleys: bool,
     /// Whether the altitudes of what is found are solved for at least cost.
     pub polishing: bool,
     /// Whether each control point is judged by the part of the path that it moves.
@@ -48,6 +50,7 @@ impl Default for SearchOptions {
             offspring: true,
             restarts: true,
             redrawing: true,
+            valleys: true,
             polishing: true,
             windows: true,
             penalty: Some(4.0),

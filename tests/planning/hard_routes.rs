@@ -127,3 +127,35 @@ fn a_mission_over_rows_of_zones_takes_the_lower_ones() {
     let cost = found.plan.vehicles[0].terms.total();
     assert!(cost < 12.8, "{cost}");
 }
+
+/// Straight over a plateau of 250 m costs 15.15 for a slow climber, and around it 15.28. Over its rim
+/// costs 15.00: nothing is closed between the three.
+#[test]
+fn a_plateau_is_crossed_over_its_rim_whatever_the_seed() {
+    let text = Family::Plateau.problem(2);
+    let spec = SpecFile::parse(&PathBuf::from("plateau.yaml"), text)
+        .expect("a valid spec")
+        .spec;
+    let world = world(&spec);
+    for seed in [3, 4] {
+        let terms = plan_fleet(&spec, &world, &Request::new(seed)).vehicles[0].terms;
+        assert!(terms.is_clean(), "seed {seed}: {terms:?}");
+        let cost = terms.total();
+        assert!((14.99..15.10).contains(&cost), "seed {seed}: {cost}");
+    }
+}
+
+/// Legs of 50 to 220 m between places 60 m above the ground: a path that dives to the least height
+/// and climbs again is longer by more than the altitude costs. At 60 m all the way costs 2 % more than the length.
+#[test]
+fn short_legs_between_high_places_are_not_flown_lower_than_pays() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("missions/inspection.yaml");
+    let text = std::fs::read_to_string(&path).expect("a mission");
+    let spec = SpecFile::parse(&path, text).expect("a valid spec").spec;
+    let plan = plan_fleet(&spec, &world(&spec), &Request::new(1));
+    for vehicle in &plan.vehicles {
+        let (cost, level) = (vehicle.terms.total(), 1.02 * vehicle.bound);
+        assert!(vehicle.terms.is_clean(), "{:?}", vehicle.terms);
+        assert!(cost < level, "{cost} against {level}");
+    }
+}

@@ -15,6 +15,7 @@ use super::{Found, Run, fine, found_among, swarms};
 use crate::cost::CostTerms;
 use crate::optimize::SearchSeed;
 use crate::path::VehicleLimits;
+use crate::plan::bound::proven;
 use crate::plan::classes::HomotopyClass;
 use crate::plan::classes::corridors::corridors;
 use crate::plan::classes::routes::HomotopyClasses;
@@ -37,6 +38,15 @@ const JUDGED_CLASSES: usize = 6;
 /// Evaluations times control points: decoding altitudes takes longer with more of these.
 const MAX_WORK: usize = 1_000_000;
 
+/// A path that costs less than this many times its bound is good enough.
+const FAR: f64 = 1.05;
+/// Fewest evaluations of a route that is searched again because it is not.
+const MIN_BUDGET: usize = 10_000;
+/// A fit through corridors that costs less than this many times what was found is searched from,
+/// and what that finds counts where it costs less by a share.
+const NEAR: f64 = 1.05;
+const GAIN: f64 = 5e-3;
+
 /// What was found, or where that violates a limit that no other vehicle sets, what is found
 /// through corridors, if it keeps all limits.
 pub(super) fn or_through_corridors(
@@ -44,34 +54,100 @@ pub(super) fn or_through_corridors(
     run: Run<'_>,
     first: Found,
 ) -> Found {
-    let planner = &context.spec.planner;
-    let is_default = (planner.algorithm, planner.objective)
-        == (Algorithm::Msfoa, Objective::Operational)
-        && context.options.classes;
-    if !is_default || stands(context, &first) {
+    if !has_corridors(context) || stands(context, &first) {
         return first;
     }
     let Some(homotopy) = corridors(context) else {
         return first;
     };
-    let mut controls = needed_controls(context, &homotopy);
+    let spent = first.evaluations;
+    through((context, run), (&homotopy, spent), |_| true, |_| run.budget).unwrap_or(first)
+}
+
+/// What is found through corridors that the soft fields may have missed, where what was found alone
+/// costs far more than any path has to, and where that costs less.
+pub(super) fn nearer_to_bound(
+    context: &RouteContext<'_>,
+    run: Run<'_>,
+    first: &Found,
+) -> Option<Found> {
+    let cost = first.strict.total();
+    let is_far = |least: f64| cost > FAR * least;
+    if context.is_cancelled()
+        || run.budget < MIN_BUDGET
+        || !has_corridors(context)
+        || !context.earlier.is_empty()
+        || !first.strict.is_clean()
+        || !is_far(context.bound())
+        || !is_far(bound_of(context))
+    {
+        return None;
+    }
+    let homotopy = corridors(context)?;
+    let is_near = |fit: &Found| fit.strict.total() < NEAR * cost;
+    let budget = |controls| as_much_work(context.controls(), controls, run.budget);
+    let found = through(
+        (context, run),
+        (&homotopy, first.evaluations),
+        is_near,
+        budget,
+    )?;
+    let is_better = found.strict.is_clean() && found.strict.total() < (1.0 - GAIN) * cost;
+    is_better.then_some(found)
+}
+
+/// Evaluations of paths with `controls` control points that take as long as `evaluations` of paths
+/// with others: the time to decode altitudes grows with the square.
+fn as_much_work(others: usize, controls: usize, evaluations: usize) -> usize {
+    evaluations * others * others / (controls * controls).max(1)
+}
+
+/// Proven: no path of the route costs less.
+fn bound_of(context: &RouteContext<'_>) -> f64 {
+    let route = vec![(context.ends.from, context.ends.to)];
+    let least = proven(context.spec, context.world, &[route]);
+    least.into_iter().sum()
+}
+
+/// Whether routes are searched through corridors.
+fn has_corridors(context: &RouteContext<'_>) -> bool {
+    let planner = &context.spec.planner;
+    (planner.algorithm, planner.objective) == (Algorithm::Msfoa, Objective::Operational)
+        && context.options.classes
+}
+
+/// What is found through corridors with as few control points as have a fit that keeps the limits,
+/// within their budget; none where no fit does, or where that is no good. Evaluations
+/// that were spent before are counted.
+fn through(
+    (context, run): (&RouteContext<'_>, Run<'_>),
+    (homotopy, spent): (&HomotopyClasses, usize),
+    is_good: impl Fn(&Found) -> bool,
+    budget: impl Fn(usize) -> usize,
+) -> Option<Found> {
+    let mut controls = needed_controls(context, homotopy);
     loop {
         let spec = with_free_controls(context.spec, controls);
         let context = RouteContext {
             spec: &spec,
             ..*context
         };
-        let seeds = fits(&context, &homotopy);
-        let fitted = found_among(&context, splines(&context, &seeds), first.evaluations);
+        let seeds = fits(&context, homotopy);
+        let fitted = found_among(&context, splines(&context, &seeds), spent);
         if keeps_static_limits(&fitted.strict) {
-            return searched_from(&context, run, &homotopy, (seeds, fitted));
+            let run = Run {
+                budget: budget(context.controls()),
+                ..run
+            };
+            let is_good = is_good(&fitted);
+            return is_good.then(|| searched_from(&context, run, homotopy, (seeds, fitted)));
         }
         let most = match context.layer().max_agl_m.is_finite() {
             true => MAX_IN_LAYER,
             false => MAX_CONTROLS,
         };
         if controls >= most {
-            return first;
+            return None;
         }
         controls = times_more(controls).min(most);
     }

@@ -10,6 +10,7 @@ pub(super) mod problem;
 pub(super) mod published;
 pub(super) mod seeds;
 pub(super) mod tighten;
+mod valleys;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
@@ -50,6 +51,8 @@ const FIT_TWICE: usize = 4000;
 /// First steps, in units of a start's scale: starts lie well, so that larger steps lose more
 /// of what a start knows than they find.
 const STEP: f64 = 0.08;
+/// One part in this many of the budget is spent beyond it where another valley is searched.
+const VALLEY_SHARE: usize = 5;
 /// Flies of each sub-swarm of the default.
 const FLIES: usize = 16;
 
@@ -108,7 +111,11 @@ pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
         return found_among(context, Vec::new(), 0);
     }
     let found = corridor::or_through_corridors(context, run, search_classes(context, run));
-    overflight::polished_or_overflight(context, found)
+    let found = overflight::polished_or_overflight(context, found);
+    match corridor::nearer_to_bound(context, run, &found) {
+        Some(nearer) => overflight::polished_or_overflight(context, nearer),
+        None => found,
+    }
 }
 
 /// Searches one route from the classes of the soft fields.
@@ -178,13 +185,7 @@ fn swarms(
     let (planner, options) = (&context.spec.planner, &context.options);
     let parameters = context.parameters(context.samples());
     let problem = horizontal(context, &parameters, run.budget);
-    let alone = gives_way(context).then(|| {
-        let context = RouteContext {
-            earlier: EarlierFlights::none(),
-            ..*context
-        };
-        horizontal(&context, &parameters, run.budget)
-    });
+    let alone = without_others(context, &parameters, run.budget);
     let fitter = Fitter::new(problem.sampled.rows(), parameters, context.controls());
     let mut rng = run.seed.stream("plan", run.stream);
     let mut among = Evaluator::new(&problem, run.budget, run.watch);
@@ -199,35 +200,40 @@ fn swarms(
     seeds.extend(twice_fitted(&seeder, &mut among, alone.as_mut(), &mut rng));
     let fitted = among.spent() + alone.map_or(0, |alone| alone.spent());
     if let Some(step) = planner.step {
-        for seed in &mut seeds {
-            seed.scale.fill(step);
-        }
+        seeds.iter_mut().for_each(|seed| seed.scale.fill(step));
     }
     let redraw = |position: &[f64], rng: &mut ChaCha8Rng| redrawn(&seeder, position, rng);
-    let outcome = minimise(
-        &problem,
-        &Algorithm::Msfoa(msfoa(context, seeder.swarms.min(seeds.len()).max(1))),
-        SearchSeeds {
-            given: &seeds,
-            redraw: options.redrawing.then_some(&redraw),
-        },
-        run.budget.saturating_sub(fitted),
-        &mut rng,
-        &|point: TracePoint| {
+    let mut searched = |given: &[SearchSeed], swarms: usize, budget: usize, spent: usize| {
+        let watch = |point: TracePoint| {
             (run.watch)(TracePoint {
-                evaluations: fitted + point.evaluations,
+                evaluations: spent + point.evaluations,
                 ..point
             });
-        },
-    );
-    let mut finalists = outcome.finalists;
+        };
+        let swarms = swarms.min(given.len()).max(1);
+        let seeds = SearchSeeds {
+            given,
+            redraw: options.redrawing.then_some(&redraw),
+        };
+        let algorithm = Algorithm::Msfoa(msfoa(context, swarms));
+        let outcome = minimise(&problem, &algorithm, seeds, budget, &mut rng, &watch);
+        (outcome.finalists, spent + outcome.evaluations)
+    };
+    let left = run.budget.saturating_sub(fitted);
+    let (mut finalists, mut spent) = searched(&seeds, seeder.swarms, left, fitted);
     finalists.extend(among.best().cloned());
+    let others = valleys::other_valleys(context, &problem, &finalists, &seeds);
+    if !others.is_empty() {
+        let (more, all) = searched(&others, others.len(), run.budget / VALLEY_SHARE, spent);
+        finalists.extend(more);
+        spent = all;
+    }
     let fine = fine(context);
     let splines = most_promising(finalists)
         .iter()
         .map(|candidate| fine.spline(problem.frame.positions(&candidate.position)))
         .collect();
-    (splines, fitted + outcome.evaluations)
+    (splines, spent)
 }
 
 /// The horizontal problem of a route, with a relaxed one where the budget allows it.
@@ -241,6 +247,19 @@ fn horizontal<'a>(context: &RouteContext<'a>, parameters: &[f64], budget: usize)
     let (relaxed, penalty) = penalties(context);
     let can_relax = relaxed < penalty && budget >= MIN_RELAXED_BUDGET;
     with_penalty(penalty).after_relaxed(can_relax.then(|| with_penalty(relaxed)))
+}
+
+/// The same as if the vehicle were alone, where it gives way to others.
+fn without_others<'a>(
+    context: &RouteContext<'a>,
+    parameters: &[f64],
+    budget: usize,
+) -> Option<Horizontal<'a>> {
+    let alone = RouteContext {
+        earlier: EarlierFlights::none(),
+        ..*context
+    };
+    gives_way(context).then(|| horizontal(&alone, parameters, budget))
 }
 
 /// Parameters of the default algorithm.

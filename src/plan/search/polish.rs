@@ -26,8 +26,9 @@ const HALVINGS: usize = 3;
 /// ground.
 const LEAST_SPAN_M: f64 = 25.0;
 const SPAN_CELLS: f64 = 1.0;
-/// Fewest evaluations of each route.
+/// Fewest evaluations of each route of a fleet of more vehicles than this.
 const MIN_EVALUATIONS: usize = 10_000;
+const FEW_VEHICLES: usize = 10;
 /// Less than this share of the cost is not worth the work.
 const GAIN: f64 = 1e-4;
 /// Where climbs and altitude cost no more than this share, nothing is tried.
@@ -44,9 +45,10 @@ pub(super) fn polished(context: &RouteContext<'_>, found: Found) -> Found {
     if !can_polish(context, &found) || !is_worth_it(context, &found) {
         return found;
     }
-    let mut finer: Vec<Spline> = Vec::new();
-    while finer.len() < halvings(context, &found.spline) {
-        finer.push(finer.last().unwrap_or(&found.spline).halved());
+    // The last that is tried is what was found: no spans of a short route can be halved.
+    let mut finer: Vec<Spline> = vec![found.spline.clone()];
+    for _ in 0..halvings(context, &found.spline) {
+        finer.extend(finer.last().map(Spline::halved));
     }
     for spline in finer.into_iter().rev() {
         if context.is_cancelled() {
@@ -75,7 +77,8 @@ fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
     let planner = &context.spec.planner;
     let stations = &context.world.stations[context.index];
     let routes = route_ends(context.vehicle(), stations).len();
-    planner.evaluations >= MIN_EVALUATIONS * routes
+    let is_small = context.spec.vehicles.len() <= FEW_VEHICLES;
+    (is_small || planner.evaluations >= MIN_EVALUATIONS * routes)
         && planner.objective == Objective::Operational
         && planner.algorithm == Algorithm::Msfoa
         && context.options.polishing

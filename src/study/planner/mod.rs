@@ -91,6 +91,7 @@ pub fn variants(ablations: bool) -> Vec<(&'static str, SearchOptions)> {
         add("no offspring", |of| of.offspring = false);
         add("no restarts", |of| of.restarts = false);
         add("no redrawing", |of| of.redrawing = false);
+        add("no other valleys", |of| of.valleys = false);
         add("no polishing", |of| of.polishing = false);
         add("no windows", |of| of.windows = false);
         add("penalties of the judge", |of| of.penalty = None);
