@@ -23,6 +23,10 @@ pub(in crate::cli) fn watch(
     json: bool,
 ) -> Result<(), Failure> {
     let folder = runs::folder(&plan.folder);
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "terminals wait in real time; no plan depends on it"
+    )]
     let began = Instant::now();
     loop {
         if super::attach(&folder)? {

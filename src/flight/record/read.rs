@@ -9,6 +9,7 @@ use super::{Fix, Flight, RaisedAlarm, Record};
 use crate::flight::itinerary::stops::Itinerary;
 use crate::flight::session::end::End;
 use crate::geodesy::{Amsl, LocalFrame};
+use crate::spec::Action;
 
 /// How much faster than the clock simulated vehicles may fly.
 pub const SPEEDUP: RangeInclusive<f64> = 0.1..=100.0;
@@ -205,6 +206,13 @@ impl Reading {
         }
     }
 
+    fn order(&mut self, t_s: f64, vehicle: &str, order: Action) -> Result<(), String> {
+        self.check(t_s, vehicle)?;
+        let flown = &mut self.of(vehicle).flown;
+        (flown.ordered, flown.ordered_s) = (order, Some(t_s));
+        Ok(())
+    }
+
     fn take(&mut self, line: Line) -> Result<(), String> {
         match line {
             Line::Head {
@@ -226,9 +234,7 @@ impl Reading {
                 let plan = plan.plan(self.frame)?;
                 self.of(&vehicle).plans.push(plan);
             }
-            Line::Itinerary { vehicle, itinerary } => {
-                self.itinerary(&vehicle, itinerary)?;
-            }
+            Line::Itinerary { vehicle, itinerary } => self.itinerary(&vehicle, itinerary)?,
             Line::Threat { t_s, threat } => {
                 let mut popup = threat.popup(t_s)?;
                 // A record is written as things happen: no threat comes up long after the
@@ -249,18 +255,12 @@ impl Reading {
                 self.check(t_s, &vehicle)?;
                 self.of(&vehicle).flown.reached.push((reached, t_s));
             }
-            Line::Stop { t_s, stopped_s } => {
-                self.stop(t_s, stopped_s)?;
-            }
+            Line::Stop { t_s, stopped_s } => self.stop(t_s, stopped_s)?,
             Line::Order {
                 t_s,
                 vehicle,
                 order,
-            } => {
-                self.check(t_s, &vehicle)?;
-                let flown = &mut self.of(&vehicle).flown;
-                (flown.ordered, flown.ordered_s) = (order, Some(t_s));
-            }
+            } => self.order(t_s, &vehicle, order)?,
             Line::End { vehicle, end, t_s } => {
                 self.check(t_s.unwrap_or(0.0), &vehicle)?;
                 self.once(end_of(&vehicle))?;

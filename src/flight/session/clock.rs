@@ -6,7 +6,7 @@ const WINDOW_MS: f64 = 10_000.0;
 /// clock that jumped, or wrong, milliseconds.
 const BACK_MS: f64 = 1000.0;
 const AHEAD_MS: f64 = 2000.0;
-/// So many of them in a row that go on from one another are of a clock that jumped.
+/// This number of them in a row that go on from one another are of a clock that jumped.
 const JUMPED: u8 = 3;
 
 /// Where a vehicle's time since boot lies on the fleet's clock.

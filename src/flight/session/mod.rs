@@ -343,8 +343,12 @@ impl<'a> Fleet<'a> {
             if matches!(vehicle.stage, Stage::Ended) {
                 vehicle.flown.until_s = vehicle.flown.until_s.or(t_s);
             }
-            if let Some(text) = vehicle.still_armed.as_ref().filter(|_| !vehicle.is_warned) {
-                vehicle.is_warned = true;
+            if let Some(text) = vehicle
+                .still_armed
+                .as_ref()
+                .filter(|_| !vehicle.motors.is_warned)
+            {
+                vehicle.motors.is_warned = true;
                 let (vehicle, text) = (None, text.clone());
                 self.events.push_back(Event::new(t_s, vehicle, text));
             }
@@ -388,10 +392,10 @@ impl<'a> Fleet<'a> {
 
     /// When no vehicle flies to its end any more, the flights of those that stay at theirs are over.
     fn end_those_that_loiter(&mut self) {
-        let is_done = |of: &FlightVehicle<'_>| of.loiters || matches!(of.stage, Stage::Ended);
+        let is_done = |of: &FlightVehicle<'_>| of.stay.loiters || matches!(of.stage, Stage::Ended);
         if self.vehicles.iter().all(is_done) {
             let shows =
-                |of: &&mut FlightVehicle<'_>| matches!(of.stage, Stage::Flying) && of.is_at_end;
+                |of: &&mut FlightVehicle<'_>| matches!(of.stage, Stage::Flying) && of.stay.is_shown;
             let loiter = self.vehicles.iter_mut().filter(shows);
             loiter.for_each(FlightVehicle::end_loitering);
         }
@@ -459,7 +463,7 @@ impl<'a> Fleet<'a> {
         self.say(now, None, text);
     }
 
-    /// The next order that is to be recorded.
+    /// The next order, for the record.
     pub(super) fn poll_order(&mut self) -> Option<(f64, String, Action)> {
         self.orders.pop_front()
     }

@@ -94,11 +94,11 @@ impl Fleet<'_> {
     fn waits_for_controls(&mut self, now: Time) -> bool {
         let flight_ms = self.flight_ms(now);
         let vehicles = self.vehicles.iter().enumerate();
-        let waits = vehicles.filter_map(|(index, of)| Some((index, of.settles_in_s(flight_ms)?)));
+        let waits = vehicles.filter_map(|(index, of)| Some((index, of.needs_more_s(flight_ms)?)));
         let waits: Vec<(usize, f64)> = waits.collect();
         for (index, left_s) in &waits {
             let vehicle = &mut self.vehicles[*index];
-            if !std::mem::replace(&mut vehicle.is_awaited, true) {
+            if !std::mem::replace(&mut vehicle.motors.is_awaited, true) {
                 let id = vehicle.of.vehicle.to_owned();
                 let text = format!(
                     "was started too short a time ago, and would sink after its takeoff: it is waited for {left_s:.0} s more"

@@ -136,7 +136,7 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         (Stage::Flying, Some(Instruction::Return)) if vehicle.misses_its_order() => "no return yet",
         (Stage::Flying, Some(Instruction::Land)) => "lands",
         (Stage::Flying, Some(Instruction::Return)) => "returns",
-        (Stage::Flying, None) if vehicle.loiters => "loiters",
+        (Stage::Flying, None) if vehicle.stay.loiters => "loiters",
         (Stage::Flying, None) if vehicle.in_mission => "flies",
         (Stage::Flying, None) => "off mission",
         (Stage::Ended, _) => match vehicle.flown.end {

@@ -121,6 +121,21 @@ impl Instruction {
     }
 }
 
+/// How many items it said to hold: last, and when all was as planned.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Totals {
+    pub(crate) now: Option<usize>,
+    pub(crate) ready: Option<usize>,
+}
+
+/// Whether it stays in the air at the end of its mission. It is monitored as long as others fly.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stay {
+    pub(crate) loiters: bool,
+    /// Whether its last position shows that: positions have noise.
+    pub(crate) is_shown: bool,
+}
+
 #[derive(Debug)]
 pub(crate) struct FlightVehicle<'a> {
     pub(crate) of: Assignment<'a>,
@@ -152,10 +167,6 @@ pub(crate) struct FlightVehicle<'a> {
     disarm_s: Option<f64>,
     /// Why it may be armed on the ground at the end, as a whole sentence.
     pub(crate) still_armed: Option<String>,
-    /// Whether that was reported.
-    pub(crate) is_warned: bool,
-    /// Whether it was reported that it must run for longer before it is armed.
-    pub(crate) is_awaited: bool,
     requested: Time,
     offset: Offset,
     /// The last position on the fleet's clock, milliseconds of flight time.
@@ -172,14 +183,11 @@ pub(crate) struct FlightVehicle<'a> {
     /// Positions that are none on earth.
     invalid_positions: usize,
     texts: TextLimit,
-    /// Items on board without home, as the vehicle says: now, and when all was as planned.
-    total: Option<usize>,
-    pub(crate) ready_total: Option<usize>,
+    /// Items on board without home, as the vehicle says.
+    pub(crate) total: Totals,
     airborne: bool,
-    /// Height of its last position above the ground, metres, where the ground is known.
-    pub(crate) agl_m: Option<f64>,
     /// Heartbeats in a row that show its motors to stand, and to run, while it flies or after that.
-    motors: Motors,
+    pub(crate) motors: Motors,
     pub(crate) instruction: Option<Instruction>,
     /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
@@ -189,13 +197,8 @@ pub(crate) struct FlightVehicle<'a> {
     left: bool,
     /// What it was ordered to do when it went on with its mission by itself, or by somebody else's order.
     pub(crate) taken_back: Option<Instruction>,
-    /// That it has left what it was ordered to do, in words.
-    pub(crate) left_order: Option<String>,
     orbit: Orbit,
-    /// Whether it stays in the air at the end of its mission. It is monitored as long as others fly.
-    pub(crate) loiters: bool,
-    /// Whether its last position shows that: positions have noise.
-    pub(crate) is_at_end: bool,
+    pub(crate) stay: Stay,
     pub(crate) flown: Flown,
     outbox: VecDeque<Message>,
     said: VecDeque<String>,
@@ -256,8 +259,6 @@ impl<'a> FlightVehicle<'a> {
             own_clock: None,
             disarm_s: None,
             still_armed: None,
-            is_warned: false,
-            is_awaited: false,
             requested: Time(0),
             offset: Offset::default(),
             latest: None,
@@ -268,10 +269,8 @@ impl<'a> FlightVehicle<'a> {
             health_at: None,
             invalid_positions: 0,
             texts: TextLimit::default(),
-            total: None,
-            ready_total: None,
+            total: Totals::default(),
             airborne: false,
-            agl_m: None,
             motors: Motors::default(),
             instruction: None,
             holds: false,
@@ -279,10 +278,8 @@ impl<'a> FlightVehicle<'a> {
             in_mission: false,
             left: false,
             taken_back: None,
-            left_order: None,
             orbit: Orbit::default(),
-            loiters: false,
-            is_at_end: false,
+            stay: Stay::default(),
             flown: Flown::default(),
             outbox: VecDeque::new(),
             said: VecDeque::new(),

@@ -81,7 +81,7 @@ impl<'a> Fleet<'a> {
             && flies
         {
             alarms.position(t_s, index, fix, position);
-            vehicle.agl_m = alarms.agl_m(index);
+            vehicle.motors.agl_m = alarms.agl_m(index);
         }
     }
 
@@ -102,7 +102,7 @@ impl<'a> Fleet<'a> {
                 lands: vehicle.instruction == Some(Instruction::Land),
                 returns: vehicle.instruction == Some(Instruction::Return),
                 is_over: matches!(vehicle.stage, Stage::Ended),
-                held: vehicle.ready_total,
+                held: vehicle.total.ready,
             };
             alarms.note(t_s, index, duty);
         }
@@ -111,7 +111,7 @@ impl<'a> Fleet<'a> {
             if let Some(instruction) = vehicle.taken_back.take() {
                 alarms.taken_back(t_s, index, instruction.verb());
             }
-            if let Some(text) = vehicle.left_order.take() {
+            if let Some(text) = vehicle.take_left_order() {
                 alarms.left_order(t_s, index, text);
             }
         }

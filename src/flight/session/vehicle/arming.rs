@@ -142,7 +142,7 @@ impl FlightVehicle<'_> {
     /// A vehicle that holds another number of items than when they were read is not started.
     pub(super) fn heed_total(&mut self, has_begun: bool) {
         let is_checked = matches!(self.stage, Stage::Ready | Stage::Arming | Stage::Armed);
-        match (self.ready_total, self.total) {
+        match (self.total.ready, self.total.now) {
             _ if !is_checked => {}
             (Some(ready), Some(now)) if ready != now => {
                 let why = format!(
@@ -153,7 +153,7 @@ impl FlightVehicle<'_> {
                     false => self.stage = Stage::Refused(vec![why]),
                 }
             }
-            (None, Some(_)) => self.ready_total = self.total,
+            (None, Some(_)) => self.total.ready = self.total.now,
             _ => {}
         }
     }
@@ -166,7 +166,7 @@ impl FlightVehicle<'_> {
 
     /// How long it must still run before it may take off, seconds by its own clock: see
     /// [`crate::autopilot::Facts::rises_from_boot`].
-    pub(in crate::flight) fn settles_in_s(&self, flight_ms: f64) -> Option<f64> {
+    pub(in crate::flight) fn needs_more_s(&self, flight_ms: f64) -> Option<f64> {
         let mission = self.of.mission;
         let name = mission.facts().rises_from_boot?;
         let stock_mps = parameter(name).map_or(f64::INFINITY, |row| row.default_si());

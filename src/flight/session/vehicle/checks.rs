@@ -84,7 +84,7 @@ impl FlightVehicle<'_> {
             return;
         }
         // What it said while its mission was sent does not count.
-        self.total = None;
+        self.total.now = None;
         let bytewise = self.autopilot().conventions().bytewise_parameters;
         let planned = &self.of.mission.params;
         self.request_disarm_parameter();
@@ -132,7 +132,7 @@ impl FlightVehicle<'_> {
             );
         }
         hard.extend(soft);
-        self.ready_total = self.total;
+        self.total.ready = self.total.now;
         self.stage = if hard.is_empty() {
             Stage::Ready
         } else {

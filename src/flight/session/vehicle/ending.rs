@@ -21,7 +21,13 @@ const RESTS_M: f64 = 1.0;
 
 /// Heartbeats in a row: one alone may be of another component, or wrong.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Motors {
+pub(crate) struct Motors {
+    /// Height of its last position above the ground, metres, where the ground is known.
+    pub(crate) agl_m: Option<f64>,
+    /// Whether it was reported that it may be armed at the end.
+    pub(crate) is_warned: bool,
+    /// Whether it was reported that they must run for longer before it takes off.
+    pub(crate) is_awaited: bool,
     stand: u8,
     run: u8,
     /// Whether its flight ended because they stood.
@@ -47,7 +53,7 @@ impl FlightVehicle<'_> {
             false => (stand.saturating_add(1), 0),
         };
         if stand == 0 && !is_armed {
-            (self.motors.stood_s, self.motors.stood_agl_m) = (Some(t_s), self.agl_m);
+            (self.motors.stood_s, self.motors.stood_agl_m) = (Some(t_s), self.motors.agl_m);
         }
         if is_armed {
             for fix in std::mem::take(&mut self.motors.since) {
@@ -203,10 +209,10 @@ impl FlightVehicle<'_> {
             None => {}
         }
         // Another mission may have been given to it meanwhile.
-        let rows = self.total.unwrap_or(self.of.mission.items.len());
+        let rows = self.total.now.unwrap_or(self.of.mission.items.len());
         if self.of.reference.lands || !self.in_mission || self.item < rows {
             self.orbit = Orbit::default();
-            (self.loiters, self.is_at_end) = (false, false);
+            (self.stay.loiters, self.stay.is_shown) = (false, false);
             return;
         }
         let has_wing = self.of.mission.airframe.has_wing();
@@ -219,7 +225,7 @@ impl FlightVehicle<'_> {
             let comes = arrival::hovers(&self.of.reference, &fix);
             (comes, away_m > arrival::LEFT_M)
         };
-        match (self.loiters, comes, is_off) {
+        match (self.stay.loiters, comes, is_off) {
             (false, true, _) => self.said.push_back(End::Loitering.sentence()),
             (true, _, true) => {
                 let text = "does not stay at the end of its mission any more";
@@ -227,8 +233,8 @@ impl FlightVehicle<'_> {
             }
             _ => {}
         }
-        self.loiters = (self.loiters || comes) && !is_off;
-        self.is_at_end = self.loiters && comes;
+        self.stay.loiters = (self.stay.loiters || comes) && !is_off;
+        self.stay.is_shown = self.stay.loiters && comes;
     }
 
     /// The flight of a vehicle that stays at the end of its mission is over when no other flies.
@@ -240,7 +246,7 @@ impl FlightVehicle<'_> {
 
     /// Says once that it has come to rest on the ground and its motors run on.
     fn check_motors(&mut self, fix: Fix) {
-        let is_low = self.agl_m.is_some_and(|agl_m| agl_m <= HIGH_M);
+        let is_low = self.motors.agl_m.is_some_and(|agl_m| agl_m <= HIGH_M);
         let may_be_down = is_low && fix.speed_mps <= RESTS_MPS && self.is_at_its_landing(fix);
         let amsl_m = fix.amsl.0;
         let rests = self
@@ -296,7 +302,7 @@ impl FlightVehicle<'_> {
         let end = match (self.holds, is_lost) {
             (true, false) => End::Held,
             (true, true) => End::Failed("held, and was not heard of since".to_owned()),
-            (false, false) if self.loiters => return self.end_loitering(),
+            (false, false) if self.stay.loiters => return self.end_loitering(),
             (false, _) => match other {
                 End::Failed(why) if self.misses_its_hold() => {
                     End::Failed(format!("{why}; hold not confirmed"))

@@ -36,8 +36,9 @@ pub(super) struct HoldWatch {
     in_mode_s: Option<f64>,
     was_in_mode: bool,
     is_reported: bool,
-    /// Whether it has left a landing or a return for another mode.
+    /// Whether it has left a landing or a return for another mode, and what is to say of that.
     has_left: bool,
+    left_order: Option<String>,
     /// Where it held first.
     anchor: Option<Mean>,
     /// Since when it has been near the anchor again, after it had left it, seconds after T0.
@@ -190,7 +191,7 @@ impl FlightVehicle<'_> {
         }
         let has_left = self.hold.was_in_mode && !in_mode && !self.in_mission;
         if has_left && !self.hold.has_left {
-            self.left_order = mode.map(|mode| {
+            self.hold.left_order = mode.map(|mode| {
                 let (verb, name) = (what, modes::name(mission, mode));
                 format!("left its {verb} for {name}, and is not ordered again")
             });
@@ -205,6 +206,11 @@ impl FlightVehicle<'_> {
         self.said.push_back(format!(
             "{what} not confirmed: its mode is another one; it is ordered again"
         ));
+    }
+
+    /// That it has left what it was ordered to do, in words, once.
+    pub(crate) fn take_left_order(&mut self) -> Option<String> {
+        self.hold.left_order.take()
     }
 
     /// Whether it is known where it is now: a way that was judged from elsewhere is not ordered.

@@ -79,7 +79,7 @@ impl FlightVehicle<'_> {
             Message::MissionCurrent { seq, total, .. } => {
                 (self.item, self.item_at) = (self.row(*seq), Some(now));
                 let is_known = (1..u16::MAX).contains(total);
-                self.total = is_known.then_some(usize::from(*total));
+                self.total.now = is_known.then_some(usize::from(*total));
                 self.heed_total(t0_ms.is_some());
             }
             Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
@@ -194,7 +194,7 @@ impl FlightVehicle<'_> {
             amsl: position.amsl(),
             speed_mps: position.ground_speed_mps(),
             item: self.item,
-            items: self.total.unwrap_or(0),
+            items: self.total.now.unwrap_or(0),
             boot_ms: Some(position.boot_ms),
         };
         let is_later = self.latest.is_none_or(|(before, _)| at_ms > before);

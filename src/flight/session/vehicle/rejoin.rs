@@ -19,7 +19,7 @@ impl FlightVehicle<'_> {
         let last = flown.fixes.last();
         self.latest = last.map(|fix| (t0_ms + 1000.0 * fix.t_s, *fix));
         self.item = last.map_or(0, |fix| fix.item);
-        self.ready_total = last.map(|fix| fix.items).filter(|items| *items > 0);
+        self.total.ready = last.map(|fix| fix.items).filter(|items| *items > 0);
         let known = flown.fixes.len();
         self.flown = flown;
         self.stage = Stage::Rejoining { known };
