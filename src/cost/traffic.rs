@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::Margins;
 use crate::numeric::approach::{
-    Approach, Segment, Whole, closest_approach, closest_horizontal, least_ratio, may_be_near,
+    Approach, Segment, are_surely_apart, closest_approach, closest_horizontal, least_ratio,
 };
 use crate::numeric::cells::{Cells, Extent};
 use crate::path::Flight;
@@ -61,6 +61,8 @@ pub(super) struct Traffic {
     distance_m: f64,
     vertical_m: Option<f64>,
     slack_s: f64,
+    /// Motions further apart than this are in no conflict, metres.
+    reach_m: f64,
     index: Arc<Index>,
 }
 
@@ -69,6 +71,8 @@ pub(super) struct Traffic {
 #[derive(Debug)]
 struct Index {
     segments: Vec<Segment>,
+    /// Balls around the motions.
+    balls: Vec<Ball>,
     runs: Vec<Run>,
     cells: Cells,
 }
@@ -76,7 +80,9 @@ struct Index {
 /// Motions of one flight, one after the other: all of them are passed over at once.
 #[derive(Clone, Debug)]
 struct Run {
-    whole: Whole,
+    ball: Ball,
+    /// When it is flown, seconds.
+    times_s: (f64, f64),
     segments: Range<usize>,
 }
 
@@ -84,12 +90,11 @@ struct Run {
 const RUN: usize = 8;
 
 /// How badly the separation is broken: 1 less distance over limit at the worst
-/// allowed shift, 0 where it is kept; when, and the number of the other motion.
+/// allowed shift, 0 where it is kept; and when.
 #[derive(Clone, Copy, Debug, Default)]
 struct Severity {
     value: f64,
     t_s: f64,
-    by: Option<usize>,
 }
 
 impl Severity {
@@ -102,14 +107,68 @@ impl Severity {
     }
 }
 
+/// A ball that holds a motion.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    center_m: [f64; 3],
+    radius_m: f64,
+}
+
+impl Ball {
+    fn around(segment: &Segment) -> Self {
+        let duration_s = segment.t1_s - segment.t0_s;
+        let half_s = if duration_s.is_finite() {
+            0.5 * duration_s
+        } else {
+            0.0
+        };
+        let speed_sq: f64 = segment.velocity_mps.iter().map(|v| v * v).sum();
+        Self {
+            center_m: segment.at(segment.t0_s + half_s),
+            radius_m: speed_sq.sqrt() * half_s,
+        }
+    }
+
+    /// A ball that holds all of some.
+    fn over(balls: &[Self]) -> Self {
+        let axis = |axis: usize| {
+            let sides = balls.iter().map(|ball| ball.center_m[axis]);
+            let (low, high) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                (low.min(at), high.max(at))
+            });
+            0.5 * (low + high)
+        };
+        let center_m = [0, 1, 2].map(axis);
+        let reach_m = |ball: &Self| {
+            let square: f64 = (0..3)
+                .map(|axis| (ball.center_m[axis] - center_m[axis]).powi(2))
+                .sum();
+            square.sqrt() + ball.radius_m
+        };
+        Self {
+            center_m,
+            radius_m: balls.iter().map(reach_m).fold(0.0, f64::max),
+        }
+    }
+
+    /// Whether two balls are further apart than `reach_m`, by more than rounding.
+    fn is_apart(&self, other: &Self, reach_m: f64) -> bool {
+        let gap_m = |axis: usize| self.center_m[axis] - other.center_m[axis];
+        let (east_m, north_m, up_m) = (gap_m(0), gap_m(1), gap_m(2));
+        let gap_sq = east_m * east_m + north_m * north_m + up_m * up_m;
+        let touch_m = self.radius_m + other.radius_m + reach_m + 1e-6;
+        gap_sq > touch_m * touch_m
+    }
+}
+
 /// Mean over a motion of a severity that is known at any part of it.
-fn mean(own: &Segment, mut severity: impl FnMut(&Segment) -> Severity) -> f64 {
+fn mean(own: &Segment, severity: impl Fn(&Segment) -> Severity) -> f64 {
     let worst = severity(own);
     let duration_s = own.t1_s - own.t0_s;
     if worst.value <= 0.0 || duration_s <= 0.0 || duration_s.is_infinite() {
         return worst.value;
     }
-    let mut end = |t_s: f64| {
+    let end = |t_s: f64| {
         let position = own.at(t_s);
         severity(&Segment::between((t_s, position), (t_s, position))).value
     };
@@ -131,6 +190,7 @@ impl Traffic {
         Self {
             distance_m,
             vertical_m,
+            reach_m: distance_m.hypot(vertical_m.unwrap_or(0.0)),
             slack_s,
             index: earlier.index(separation),
         }
@@ -142,22 +202,16 @@ impl Traffic {
 
     /// Mean severity along a motion: the trapezoidal rule over its ends and its
     /// worst moment, so 0 only for a motion that keeps the separation throughout.
-    ///
-    /// `last` is the other motion that was worst before: mostly the next worst is near to it, and
-    /// once that is known, few others need a closer look.
-    pub(super) fn mean_severity(&self, own: &Segment, last: &mut Option<usize>) -> f64 {
-        mean(own, |own| {
-            let worst = self.severity(own, *last);
-            *last = worst.by.or(*last);
-            worst
-        })
+    pub(super) fn mean_severity(&self, own: &Segment) -> f64 {
+        mean(own, |own| self.severity(own))
     }
 
     /// The same by looking at every motion.
     pub(super) fn mean_severity_by_all(&self, own: &Segment) -> f64 {
         mean(own, |own| {
+            let ball = Ball::around(own);
             (0..self.index.segments.len())
-                .map(|other| self.severity_of(own, other, 0.0))
+                .map(|other| self.severity_of(own, &ball, other, 0.0))
                 .fold(Severity::default(), Severity::worse)
         })
     }
@@ -172,39 +226,38 @@ impl Traffic {
         ])
     }
 
-    fn severity(&self, own: &Segment, first: Option<usize>) -> Severity {
-        let mut worst =
-            first.map_or_else(Severity::default, |first| self.severity_of(own, first, 0.0));
-        let whole = Whole::of(own);
+    fn severity(&self, own: &Segment) -> Severity {
+        let ball = Ball::around(own);
+        let mut worst = Severity::default();
         let reach = extent(own, self.slack_s, self.distance_m);
         self.index.cells.each(&reach, |run| {
             let run = &self.index.runs[run];
-            let within = self.within(worst.value);
-            if run.whole.may_be_near(&whole, self.slack_s, within) {
-                for other in run.segments.clone() {
-                    worst = worst.worse(self.severity_of(own, other, worst.value));
-                }
+            let (from_s, to_s) = run.times_s;
+            if to_s + self.slack_s < own.t0_s || from_s - self.slack_s > own.t1_s {
+                return;
+            }
+            if ball.is_apart(&run.ball, self.reach_m) {
+                return;
+            }
+            for other in run.segments.clone() {
+                worst = worst.worse(self.severity_of(own, &ball, other, worst.value));
             }
         });
         worst
     }
 
-    /// Distances in the plane and in height, metres, within which a severity may be above `worst`.
-    fn within(&self, worst: f64) -> (f64, f64) {
+    /// The severity of one other motion; nothing, where it is surely below `worst`.
+    fn severity_of(&self, own: &Segment, ball: &Ball, other: usize, worst: f64) -> Severity {
         /// More than rounding may take from a ratio.
         const TOLERANCE: f64 = 1e-9;
         let most = (1.0 - worst + TOLERANCE).min(1.0);
+        if ball.is_apart(&self.index.balls[other], most * self.reach_m) {
+            return Severity::default();
+        }
+        let other = &self.index.segments[other];
         let distance_m = most * self.distance_m;
         let height_m = self.vertical_m.map_or(distance_m, |limit_m| most * limit_m);
-        (distance_m, height_m)
-    }
-
-    /// The severity of one other motion; nothing, where it is surely below `worst`.
-    fn severity_of(&self, own: &Segment, other: usize, worst: f64) -> Severity {
-        let by = other;
-        let other = &self.index.segments[other];
-        let (distance_m, height_m) = self.within(worst);
-        if !may_be_near(own, other, self.slack_s, distance_m, height_m) {
+        if are_surely_apart(own, other, self.slack_s, distance_m, height_m) {
             return Severity::default();
         }
         let near = match self.vertical_m {
@@ -212,15 +265,14 @@ impl Traffic {
                 value: near.value / self.distance_m,
                 ..near
             }),
-            Some(vertical_m) => closest_horizontal(own, other, self.slack_s, height_m)
-                .filter(|near| near.value < distance_m)
+            Some(vertical_m) => closest_horizontal(own, other, self.slack_s, most * vertical_m)
+                .filter(|near| near.value < most * self.distance_m)
                 .and_then(|_| least_ratio(own, other, self.slack_s, self.distance_m, vertical_m)),
         };
         near.filter(|near| near.value < 1.0)
             .map_or(Severity::default(), |near| Severity {
                 value: 1.0 - near.value,
                 t_s: near.t_s,
-                by: Some(by),
             })
     }
 }
@@ -228,7 +280,8 @@ impl Traffic {
 impl Index {
     fn new(separation: &Separation, earlier: &[Flight]) -> Self {
         let segments: Vec<Segment> = earlier.iter().flat_map(Flight::segments).collect();
-        let runs = runs(earlier, &segments);
+        let balls: Vec<Ball> = segments.iter().map(Ball::around).collect();
+        let runs = runs(earlier, &segments, &balls);
         let extents: Vec<Extent> = runs
             .iter()
             .map(|run| {
@@ -240,6 +293,7 @@ impl Index {
         let side_m = 4.0 * separation.distance_m;
         let least = [4.0 * separation.time_slack_s.max(5.0), side_m, side_m];
         Self {
+            balls,
             runs,
             cells: Cells::new(&extents, least),
             segments,
@@ -248,15 +302,22 @@ impl Index {
 }
 
 /// The motions of each flight in runs.
-fn runs(earlier: &[Flight], segments: &[Segment]) -> Vec<Run> {
+fn runs(earlier: &[Flight], segments: &[Segment], balls: &[Ball]) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut first = 0;
     for flight in earlier {
         let end = first + flight.points.len().saturating_sub(1);
         for start in (first..end).step_by(RUN) {
             let members = start..(start + RUN).min(end);
+            let of_run = &segments[members.clone()];
+            let from_s = of_run.iter().map(|segment| segment.t0_s);
+            let to_s = of_run.iter().map(|segment| segment.t1_s);
             runs.push(Run {
-                whole: Whole::over(&segments[members.clone()]),
+                ball: Ball::over(&balls[members.clone()]),
+                times_s: (
+                    from_s.fold(f64::INFINITY, f64::min),
+                    to_s.fold(f64::NEG_INFINITY, f64::max),
+                ),
                 segments: members,
             });
         }

@@ -90,7 +90,7 @@ fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers
         shown.contains("the flight is taken over"),
         "{shown}{errors}"
     );
-    let lost = "the last 79 bytes of the record could not be read: they are in ";
+    let lost = "the last 80 bytes of the record could not be read: they are in ";
     assert!(shown.contains(lost), "{shown}{errors}");
     for line in ["alpha: landed, motors stopped", "bravo: loiters"] {
         assert!(shown.contains(line), "{line} in {shown}{errors}");
@@ -258,8 +258,11 @@ fn of_two_that_take_a_flight_over_one_does_and_knows_what_was_ordered_before() {
     for (code, _) in &ends {
         assert_eq!(*code, Some(5), "{all:?}");
     }
-    let over = all.iter().filter(|of| of.contains("is taken over"));
-    assert_eq!(over.count(), 1, "{all:?}");
+    // The other one attached to it.
+    let attached = all
+        .iter()
+        .filter(|of| of.contains("attached: Ctrl-C detaches"));
+    assert_eq!(attached.count(), 1, "{all:?}");
     for line in [
         "alpha: is watched again: it was ordered to land, and is in LAND",
         "alpha: landed as ordered",

@@ -110,6 +110,33 @@ fn a_vehicle_that_loiters_at_its_end_is_watched_as_long_as_another_flies() {
 }
 
 #[test]
+fn a_vehicle_that_is_ordered_away_from_its_end_does_not_loiter_there() {
+    let mut fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
+    fleet[0].finish = Finish::Loiter;
+    fleet[1].goal.place = place(36.310, -84.236);
+    let mut plan = plan(fleet, OnLinkLoss::Continue);
+    returns(&mut plan);
+    let mut sky = sky(&plan);
+    while !sky.says("alpha", "loiters at the end of its mission") {
+        sky.step();
+        assert!(sky.now.0 < 600_000, "{:?}", sky.events);
+    }
+    // It does not hear the order, and stays in the air.
+    sky.up = Some(Box::new(|_, system, message| {
+        let is_order = matches!(message, Message::Flight(FlightMessage::Command { .. }));
+        (system == 1 && is_order).then(Vec::new)
+    }));
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    assert!(
+        sky.says("alpha", "is ordered to return"),
+        "{:?}",
+        sky.events
+    );
+    assert!(matches!(sky.end(0), End::Failed(_)), "{:?}", sky.events);
+}
+
+#[test]
 fn an_ordered_landing_breaks_no_clearance() {
     let plan = two();
     let mut sky = sky(&plan);
@@ -211,12 +238,10 @@ fn nobody_is_started_when_a_mission_on_board_has_changed_after_it_was_read() {
     let mut sky = sky(&plan);
     let is_ready = Rc::new(Cell::new(false));
     let ready = Rc::clone(&is_ready);
-    let mut said = 0;
     sky.down = Some(Box::new(move |_, from, mut message| {
         match &mut message {
             Message::MissionCurrent { total, .. } if from.system == 1 && ready.get() => {
-                *total += 2 * u16::from(said > 1);
-                said += 1;
+                *total += 2;
             }
             // It does not arm for a while.
             Message::Heartbeat(beat) if from.system == 2 => beat.base_mode &= !ARMED,

@@ -320,7 +320,7 @@ fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, sums: &mut 
     let length_m = scratch.along_m[last][lane];
     let profile = model.timing.profile(length_m);
     let time_s = |k: usize| model.timing.start_s + profile.time_at_s(scratch.along_m[k][lane]);
-    let (mut start_s, mut worst) = (time_s(0), None);
+    let mut start_s = time_s(0);
     for (block, start) in (0..last).step_by(BLOCK).enumerate() {
         let end = (start + BLOCK).min(last);
         let end_s = time_s(end);
@@ -348,7 +348,7 @@ fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, sums: &mut 
             model
                 .timing
                 .segments(&piece, reach_m, &profile, |segment, share| {
-                    mean += model.traffic.mean_severity(&segment, &mut worst) * share;
+                    mean += model.traffic.mean_severity(&segment) * share;
                 });
             sums.collision += mean * crate::cost::operational::Step::of(&piece).length_km;
         }
@@ -356,6 +356,6 @@ fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, sums: &mut 
     let end = piece(last - 1);
     let position = [end.b[0], end.b[1], end.amsl_b_m];
     if let Some(segment) = model.timing.segment_after(position, length_m) {
-        sums.collision += model.traffic.mean_severity(&segment, &mut worst) * model.timing.after_km;
+        sums.collision += model.traffic.mean_severity(&segment) * model.timing.after_km;
     }
 }

@@ -212,6 +212,8 @@ impl<'a> Fleet<'a> {
             reason = "a few hundred thousand microseconds"
         )]
         let interval_us = (self.options.position_s * 1e6) as f32;
+        // Before an order is repeated.
+        self.judge_returns_again(now);
         for vehicle in &mut self.vehicles {
             vehicle.tick(now, interval_us);
         }
@@ -362,7 +364,6 @@ impl<'a> Fleet<'a> {
     fn watch(&mut self, now: Time, t0_ms: f64) {
         let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
         let mut ends_s = 0.0_f64;
-        self.judge_returns_again(now);
         for vehicle in &mut self.vehicles {
             vehicle.check_rejoin();
             if matches!(vehicle.stage, Stage::Armed) && t_s >= vehicle.of.start_s {

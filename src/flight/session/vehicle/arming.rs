@@ -142,19 +142,18 @@ impl FlightVehicle<'_> {
     /// A vehicle that holds another number of items than when they were read is not started.
     pub(super) fn heed_total(&mut self, has_begun: bool) {
         let is_checked = matches!(self.stage, Stage::Ready | Stage::Arming | Stage::Armed);
-        match (self.total.ready, self.total.now) {
-            _ if !is_checked => {}
-            (Some(ready), Some(now)) if ready != now => {
-                let why = format!(
-                    "its mission was changed on board after it was read: {now} items in place of {ready}"
-                );
-                match has_begun {
-                    true => self.disarm(Some(End::Failed(why))),
-                    false => self.stage = Stage::Refused(vec![why]),
-                }
-            }
-            (None, Some(_)) => self.total.ready = self.total.now,
-            _ => {}
+        let read = self.of.mission.items.len();
+        let other = self.total.now.filter(|now| is_checked && *now != read);
+        let Some(now) = other else {
+            self.total.ready = self.total.ready.or(self.total.now.filter(|_| is_checked));
+            return;
+        };
+        let why = format!(
+            "its mission was changed on board after it was read: {now} items in place of {read}"
+        );
+        match has_begun {
+            true => self.disarm(Some(End::Failed(why))),
+            false => self.stage = Stage::Refused(vec![why]),
         }
     }
 

@@ -3,7 +3,7 @@
 //! the mode (`orbit.rs`).
 
 use super::obeying::Headway;
-use super::{FlightVehicle, Instruction};
+use super::{FlightVehicle, Instruction, Stay};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival::{self, Mean, REST_S};
 use crate::flight::session::modes;
@@ -259,5 +259,6 @@ impl FlightVehicle<'_> {
     pub(super) fn begin_instruction(&mut self, instruction: Instruction) {
         (self.instruction, self.holds) = (Some(instruction), false);
         self.hold = HoldWatch::default();
+        self.stay = Stay::default();
     }
 }
