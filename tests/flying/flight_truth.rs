@@ -13,16 +13,16 @@ use sortie::simulator::Fault;
 use sortie::spec::{Action, AlarmKind, Answer, OnLinkLoss, Rally, Who};
 
 /// `MAV_MODE_FLAG_SAFETY_ARMED`.
-const ARMED: u8 = 128;
+pub(super) const ARMED: u8 = 128;
 /// `AUTO` of `ArduCopter`.
 const AUTO: u32 = 3;
 
-fn two() -> Planned {
+pub(super) fn two() -> Planned {
     let fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
     plan(fleet, OnLinkLoss::Continue)
 }
 
-fn sky(plan: &Planned) -> Sky<'_> {
+pub(super) fn sky(plan: &Planned) -> Sky<'_> {
     Sky::new(plan.fleet(false, true), plan.vehicles())
 }
 
@@ -31,14 +31,17 @@ fn answer(who: Who, action: Action) -> Option<Answer> {
 }
 
 /// How many lines of a vehicle have a text.
-fn count(sky: &Sky<'_>, vehicle: &str, text: &str) -> usize {
+pub(super) fn count(sky: &Sky<'_>, vehicle: &str, text: &str) -> usize {
     let of = sky.events.iter();
     let of = of.filter(|event| event.vehicle.as_deref() == Some(vehicle));
     of.filter(|event| event.text.contains(text)).count()
 }
 
 /// The messages of vehicle 1 are changed while a switch is on.
-fn change(sky: &mut Sky<'_>, change: impl Fn(Time, &mut Message) + 'static) -> Rc<Cell<bool>> {
+pub(super) fn change(
+    sky: &mut Sky<'_>,
+    change: impl Fn(Time, &mut Message) + 'static,
+) -> Rc<Cell<bool>> {
     let is_on = Rc::new(Cell::new(false));
     let switch = Rc::clone(&is_on);
     sky.down = Some(Box::new(move |now, from, mut message| {

@@ -4,7 +4,8 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
-use crate::support::sky::{Planned, Sky, lane, plan, plan_spec};
+use super::flight_truth::{ARMED, change, count, sky, two};
+use crate::support::sky::{Planned, lane, plan, plan_spec};
 use crate::support::{place, plane, threat};
 use sortie::flight::*;
 use sortie::geodesy::Amsl;
@@ -13,46 +14,15 @@ use sortie::simulator::Fault;
 use sortie::spec::{Action, AlarmKind, Answer, Autopilot, Finish, OnLinkLoss, Who};
 use sortie::verify::Limit;
 
-/// `MAV_MODE_FLAG_SAFETY_ARMED`.
-const ARMED: u8 = 128;
 /// Modes of `ArduCopter`.
 const GUIDED: u32 = 4;
 const LOITER: u32 = 5;
 const LAND: u32 = 9;
 
-fn two() -> Planned {
-    let fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
-    plan(fleet, OnLinkLoss::Continue)
-}
-
-fn sky(plan: &Planned) -> Sky<'_> {
-    Sky::new(plan.fleet(false, true), plan.vehicles())
-}
-
 fn returns(plan: &mut Planned) {
     let (who, action) = (Who::Vehicle, Action::Return);
     plan.spec.on_alarm.battery = Some(Answer { who, action });
     plan.spec.vehicles[0].return_amsl = Some(Amsl(520.0));
-}
-
-/// How many lines of a vehicle have a text.
-fn count(sky: &Sky<'_>, vehicle: &str, text: &str) -> usize {
-    let of = sky.events.iter();
-    let of = of.filter(|event| event.vehicle.as_deref() == Some(vehicle));
-    of.filter(|event| event.text.contains(text)).count()
-}
-
-/// The messages of vehicle 1 are changed while a switch is on.
-fn change(sky: &mut Sky<'_>, change: impl Fn(&mut Message) + 'static) -> Rc<Cell<bool>> {
-    let is_on = Rc::new(Cell::new(false));
-    let switch = Rc::clone(&is_on);
-    sky.down = Some(Box::new(move |_, from, mut message| {
-        if from.system == 1 && is_on.get() {
-            change(&mut message);
-        }
-        vec![(from, message)]
-    }));
-    switch
 }
 
 fn beat(message: &mut Message, change: impl Fn(&mut Heartbeat)) {
@@ -72,7 +42,7 @@ fn motors_that_stop_high_over_the_ground_did_not_land() {
     for order in [None, Some(Intervention::Land)] {
         let plan = two();
         let mut sky = sky(&plan);
-        let switch = change(&mut sky, |message| {
+        let switch = change(&mut sky, |_, message| {
             beat(message, |beat| beat.base_mode &= !ARMED);
         });
         sky.fly_to(50.0);
@@ -160,7 +130,7 @@ fn an_ordered_landing_breaks_no_clearance() {
 fn motors_that_run_on_after_a_landing_are_named_and_stopped_at_the_end() {
     let plan = two();
     let mut sky = sky(&plan);
-    let switch = change(&mut sky, |message| {
+    let switch = change(&mut sky, |_, message| {
         beat(message, |beat| beat.base_mode |= ARMED);
     });
     sky.fly_to(60.0);
@@ -179,7 +149,7 @@ fn each_change_of_the_mode_is_an_alarm_of_its_own() {
     let mut sky = sky(&plan);
     let mode = Rc::new(Cell::new(LOITER));
     let is = Rc::clone(&mode);
-    let switch = change(&mut sky, move |message| {
+    let switch = change(&mut sky, move |_, message| {
         beat(message, |beat| beat.custom_mode = is.get());
     });
     sky.fly_to(40.0);
@@ -197,7 +167,7 @@ fn each_change_of_the_mode_is_an_alarm_of_its_own() {
 fn a_clock_that_goes_back_by_seconds_hides_no_position() {
     let plan = two();
     let mut sky = sky(&plan);
-    let switch = change(&mut sky, |message| {
+    let switch = change(&mut sky, |_, message| {
         position(message, |of| of.boot_ms -= 6000);
     });
     sky.fly_to(50.0);
@@ -270,7 +240,7 @@ fn a_vehicle_with_a_wrong_height_above_home_is_in_the_air_and_not_disarmed() {
     let (who, action) = (Who::All, Action::Hold);
     plan.spec.on_alarm.battery = Some(Answer { who, action });
     let mut sky = sky(&plan);
-    let switch = change(&mut sky, |message| {
+    let switch = change(&mut sky, |_, message| {
         position(message, |of| of.above_home_mm = 0);
     });
     switch.set(true);
@@ -321,7 +291,7 @@ fn a_vehicle_that_leaves_its_return_for_another_mode_is_an_alarm() {
     let mut plan = two();
     returns(&mut plan);
     let mut sky = sky(&plan);
-    let switch = change(&mut sky, |message| {
+    let switch = change(&mut sky, |_, message| {
         beat(message, |beat| beat.custom_mode = GUIDED);
     });
     sky.fly_to(40.0);
@@ -352,7 +322,7 @@ fn a_plane_of_px4_that_was_started_a_moment_ago_is_waited_for() {
     let plan = plan(vec![spec], OnLinkLoss::Continue);
     let mut sky = sky(&plan);
     // It has been running for an hour.
-    let switch = change(&mut sky, |message| {
+    let switch = change(&mut sky, |_, message| {
         position(message, |of| of.boot_ms -= 3_600_000);
     });
     switch.set(true);

@@ -101,7 +101,7 @@ impl Fleet<'_> {
             if !std::mem::replace(&mut vehicle.motors.is_awaited, true) {
                 let id = vehicle.of.vehicle.to_owned();
                 let text = format!(
-                    "was started too short a time ago, and would sink after its takeoff: it is waited for {left_s:.0} s more"
+                    "was started too short a time ago, and would sink after its takeoff: waiting {left_s:.0} s more"
                 );
                 self.say(now, Some(id), text);
             }
