@@ -4,7 +4,7 @@ use crate::autopilot::{
     Airframe, Autopilot, Facts, ParameterRow, Version, facts, frame, in_unit_of, other_name,
     parameter,
 };
-use crate::geodesy::{EastNorth, LatLon, LocalFrame};
+use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 
 /// One item, field by field as in `MISSION_ITEM_INT`. Its sequence number is its
 /// place in the list; `current` belongs to the transfer, not to the item.
@@ -93,6 +93,15 @@ impl VehicleMission {
         Self {
             autopilot_version,
             ..self
+        }
+    }
+
+    /// Where its home is, in the plane of a frame.
+    pub(crate) fn home_point(&self, frame: &LocalFrame) -> PlanPoint {
+        let Home { x, y, amsl_m } = self.home;
+        PlanPoint {
+            at: frame.to_plan(LatLon::of_e7(x, y)),
+            amsl: Amsl(f64::from(amsl_m)),
         }
     }
 

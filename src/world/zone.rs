@@ -283,11 +283,23 @@ impl PlanZone {
     #[must_use]
     pub fn is_closed_at(&self, point: PlanPoint, ground_m: f64, t_s: f64) -> bool {
         let Amsl(amsl_m) = point.amsl;
+        self.is_closed_between(point.at, (amsl_m, amsl_m), ground_m, t_s)
+    }
+
+    /// The same of a column: closed anywhere between two altitudes above the sea, metres, the lower first.
+    #[must_use]
+    pub fn is_closed_between(
+        &self,
+        at: EastNorth,
+        (lower_m, upper_m): (f64, f64),
+        ground_m: f64,
+        t_s: f64,
+    ) -> bool {
         let (from_m, below_m) = self.closed_m(ground_m);
         let is_active = self
             .active_s
             .is_none_or(|(from_s, to_s)| t_s.is_nan() || (from_s <= t_s && t_s <= to_s));
-        is_active && from_m <= amsl_m && amsl_m < below_m && self.contains(point.at)
+        is_active && from_m <= upper_m && lower_m < below_m && self.contains(at)
     }
 }
 

@@ -5,6 +5,7 @@ mod support;
 
 mod alarms;
 mod armed_time;
+mod diversion;
 mod flight;
 mod flight_commands;
 mod flight_hold;
@@ -19,6 +20,7 @@ mod flight_wings;
 mod hostile_fleet;
 mod launch_time;
 mod orders_and_ends;
+mod orders_meanwhile;
 mod replan_columns;
 mod replan_left;
 mod replan_stops;

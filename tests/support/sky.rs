@@ -165,6 +165,11 @@ impl Planned {
     }
 
     pub fn fleet_with(&self, options: Options, upload: bool) -> Fleet<'_> {
+        self.fleet_started(options, upload, &[])
+    }
+
+    /// The same; each is started so many seconds after T0, those without a number at T0.
+    pub fn fleet_started(&self, options: Options, upload: bool, starts_s: &[f64]) -> Fleet<'_> {
         let itineraries = self.itineraries();
         let missions = self.dispatched.missions.iter().zip(self.references());
         let assignments = missions
@@ -175,7 +180,7 @@ impl Planned {
                 link,
                 mission,
                 reference,
-                start_s: 0.0,
+                start_s: starts_s.get(link).copied().unwrap_or(0.0),
                 upload,
                 itinerary: itineraries[*index].clone(),
             })

@@ -128,13 +128,13 @@ impl Alarms<'_> {
     #[must_use]
     pub fn return_problem(&self, t_s: f64, vehicle: usize) -> Option<String> {
         let of = self.vehicles.get(vehicle)?;
-        let (Some(here), Some(home)) = (of.here, of.plan.waypoints.first()) else {
-            return Some("its place or its home is not known".to_owned());
+        let Some(here) = of.here else {
+            return Some("its place is not known".to_owned());
         };
         let Some(return_amsl) = of.vehicle.return_amsl else {
             return Some("no return_amsl_m is given".to_owned());
         };
-        let ends = self.return_ends(of, &here, (home.point, return_amsl));
+        let ends = self.return_ends(of, &here, return_amsl);
         let mut ends = ends.iter();
         ends.find_map(|place| self.return_problem_to(t_s, (vehicle, of), (&here, place)))
     }
@@ -147,12 +147,8 @@ impl Alarms<'_> {
             .get(vehicle)
             .filter(|_| returns)
             .and_then(|of| {
-                let (here, home, amsl) = (
-                    of.here?,
-                    of.plan.waypoints.first()?,
-                    of.vehicle.return_amsl?,
-                );
-                let ends = self.return_ends(of, &here, (home.point, amsl));
+                let (here, amsl) = (of.here?, of.vehicle.return_amsl?);
+                let ends = self.return_ends(of, &here, amsl);
                 let ways = ends.iter().flat_map(|place| {
                     let level_m = here.point.amsl.0.max(place.level_amsl.0);
                     return_way(of, &here, (level_m, place.point), t_s)
@@ -165,14 +161,10 @@ impl Alarms<'_> {
     }
 
     /// Home, and the rally points that it may return to instead.
-    fn return_ends(
-        &self,
-        of: &Watched<'_>,
-        here: &Here,
-        (home, level_amsl): (PlanPoint, Amsl),
-    ) -> Vec<ReturnPlace> {
+    fn return_ends(&self, of: &Watched<'_>, here: &Here, level_amsl: Amsl) -> Vec<ReturnPlace> {
         let home = ReturnPlace {
-            point: home,
+            // The plan that it flies may begin in the air.
+            point: of.mission.home_point(&self.world.frame),
             level_amsl,
             way: "its way home".to_owned(),
         };
@@ -249,6 +241,28 @@ impl Alarms<'_> {
                 return Some(format!("{way} {why}"));
             }
         }
+        let lower_m = here.point.amsl.0.min(place.level_amsl.0);
+        let lower_m = if of.vehicle.airframe.has_wing() {
+            lower_m
+        } else {
+            level_m
+        };
+        let columns = [
+            (from, (here.point.amsl.0, level_m)),
+            (to, (place.point.amsl.0, level_m)),
+        ];
+        let leg = (0..=steps).map(|step| {
+            let share = f64::from(step) / f64::from(steps);
+            let at = EastNorth {
+                east_m: from.east_m + share * (to.east_m - from.east_m),
+                north_m: from.north_m + share * (to.north_m - from.north_m),
+            };
+            (at, (lower_m, level_m))
+        });
+        let mut columns = columns.into_iter().chain(leg);
+        if let Some(id) = columns.find_map(|column| self.zone_in(column, t_s)) {
+            return Some(format!("{way} leads into {id}"));
+        }
         let flat = |at: EastNorth| [at.east_m, at.north_m];
         for (disc, id) in self.threats() {
             let away_m = point_segment_distance(flat(disc.center), flat(from), flat(to));
@@ -279,13 +293,24 @@ impl Alarms<'_> {
         if !self.world.in_area(point.at) {
             return Some("leaves the area".to_owned());
         }
+        let column = (point.at, (point.amsl.0, point.amsl.0));
+        let id = self.zone_in(column, t_s)?;
+        Some(format!("leads into {id}"))
+    }
+
+    /// The zone that is closed at a place from one altitude to another, metres above the sea.
+    fn zone_in(&self, (at, (from_m, to_m)): (EastNorth, (f64, f64)), t_s: f64) -> Option<&str> {
+        let place = self.world.frame.from_plan(at);
+        let ground = self.world.terrain.height(place).ok()?;
+        let (lower_m, upper_m) = (from_m.min(to_m), from_m.max(to_m));
         let mut zones = self.spec.no_fly.iter().zip(&self.world.zones);
         // It may come up while the vehicle is there.
         let closed = zones.find(|(_, shape)| {
-            let is_closed = |at_s: f64| shape.is_closed_at(point, ground.0, at_s);
+            let is_closed =
+                |at_s: f64| shape.is_closed_between(at, (lower_m, upper_m), ground.0, at_s);
             is_closed(t_s) || is_closed(t_s + AHEAD_S)
         });
-        closed.map(|(zone, _)| format!("leads into {}", zone.id))
+        closed.map(|(zone, _)| zone.id.as_str())
     }
 
     /// Where a vehicle rests in the air: how long it stays there is not known.

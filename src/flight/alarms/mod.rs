@@ -11,6 +11,8 @@ mod future;
 mod health;
 mod motion;
 mod onboard;
+#[cfg(test)]
+mod tests;
 mod tube;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -53,6 +55,8 @@ pub struct Alarm {
     pub other: Option<usize>,
     /// What it is about.
     pub kind: AlarmKind,
+    /// What is wrong, where alarms of one kind have several causes.
+    pub cause: &'static str,
     /// Whether it begins; else it is over.
     pub is_raised: bool,
     /// In words.
@@ -207,7 +211,7 @@ impl<'a> Alarms<'a> {
                 of.silent_s = 0.0;
                 of.onboard.begin(duty.held);
             }
-            if !duty.is_ordered && of.duty.is_ordered || duty.is_over {
+            if !duty.returns && of.duty.is_ordered || duty.is_over {
                 of.returns.clear();
             }
             of.duty = duty;
@@ -216,6 +220,12 @@ impl<'a> Alarms<'a> {
                 self.ordered(t_s, vehicle, true);
             }
         }
+    }
+
+    /// By how much departures may be off, seconds.
+    #[must_use]
+    pub fn slack_s(&self) -> f64 {
+        self.spec.separation.time_slack_s
     }
 
     /// How high a vehicle is above the ground, metres, where the ground is known.
@@ -453,12 +463,13 @@ impl<'a> Alarms<'a> {
     }
 
     fn push(&mut self, t_s: f64, key: Key, is_raised: bool, text: String) {
-        let (kind, vehicle, other, _) = key;
+        let (kind, vehicle, other, cause) = key;
         self.out.push_back(Alarm {
             t_s,
             vehicle,
             other,
             kind,
+            cause,
             is_raised,
             text,
         });

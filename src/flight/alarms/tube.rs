@@ -2,8 +2,7 @@
 
 use super::breach::{Depth, error_m};
 use super::{Alarms, Here, Watched};
-use crate::autopilot::Autopilot;
-use crate::autopilot::facts;
+use crate::autopilot::{Autopilot, command, facts};
 use crate::flight::conformance::COLUMN_M;
 use crate::flight::conformance::proof::Tube;
 use crate::flight::conformance::reference::{Deviation, Reference};
@@ -22,6 +21,8 @@ const STOPS_M: f64 = 20.0;
 const LOW_M: f64 = 5.0;
 /// On its last circle a wing is at most this many radii from the middle.
 const WIDE_CIRCLE: f64 = 1.5;
+/// Waypoints that a vehicle may hold at, for the seconds of their first parameter.
+const HOLDS: [u16; 2] = [command::NAV_WAYPOINT, command::NAV_LOITER_TIME];
 /// Slower than this a planned leg is none that a vehicle must be seen to move on, m/s.
 const SLOW_MPS: f64 = 1.0;
 
@@ -221,18 +222,19 @@ fn has_come(plan: &Reference, here: &Here, found: &Deviation) -> bool {
 }
 
 /// How late the verdict assumes a vehicle at most on its way to an item, seconds: what its takeoff may be, and what
-/// stops, corners and legs add until the next waypoint. One stop more, and the longest hold: until it has left a waypoint,
-/// its place does not say for how long it has been there.
+/// stops, corners and legs add until the next waypoint. One stop more, and the hold of the last waypoint and of the next:
+/// until it has left a waypoint, its place does not say for how long it has been there.
 pub(super) fn assumed_late_s(of: &Watched<'_>, item: usize) -> f64 {
     let (vehicle, plan) = (of.vehicle, &of.plan);
     let behaviour = &vehicle.facts().behaviour;
     let takeoff_s = behaviour.takeoff_late_s.value(vehicle.autopilot_version);
     let next = plan.waypoints.iter().find(|next| next.item >= item);
     let way_s = next.or(plan.waypoints.last()).map_or(0.0, |of| of.late_s);
-    let rows = of.mission.items.iter().take(item);
-    let holds = rows.filter(|item| item.place().is_some() && item.params[0] > 0.0);
-    let hold_s = holds.fold(0.0, |most_s: f64, hold| {
-        most_s.max(f64::from(hold.params[0]))
-    });
+    let rows = of.mission.items.iter().take(item).rev();
+    let nav = rows.filter(|item| item.command < command::NAV_LAST && item.place().is_some());
+    let holds = nav.take(2).filter(|item| HOLDS.contains(&item.command));
+    let hold_s = holds
+        .map(|item| f64::from(item.params[0]))
+        .fold(0.0, f64::max);
     takeoff_s + way_s + stop_late_s(vehicle) + hold_s
 }

@@ -46,12 +46,7 @@ impl Reference {
     /// From the encoded mission, and where the verdict's model has the vehicle over time.
     #[must_use]
     pub fn new(mission: &VehicleMission, track: &Track, world: &World) -> Self {
-        let home = PlanPoint {
-            at: world
-                .frame
-                .to_plan(LatLon::of_e7(mission.home.x, mission.home.y)),
-            amsl: Amsl(f64::from(mission.home.amsl_m)),
-        };
+        let home = mission.home_point(&world.frame);
         let mut waypoints = vec![Waypoint {
             item: 0,
             point: home,

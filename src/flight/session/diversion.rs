@@ -19,6 +19,9 @@ const MISSION: u8 = 0;
 const AT_STOP_M: f64 = 10.0;
 const RESTS_MPS: f64 = 1.0;
 
+/// How long the item that it flies to is waited for, once it has the new mission, milliseconds.
+const CURRENT_MS: u64 = 2000;
+
 /// The problem of a vehicle that does not answer any more.
 const UNSAID: &str = "holds the new mission, and did not say that it goes on with it";
 
@@ -44,7 +47,9 @@ pub struct Onward<'a> {
 /// it where the vehicle is. Same driver contract as [`Session`].
 ///
 /// ArduPilot replaces items under way and keeps its place in the list: as long as it flies
-/// to an item that both missions have it needs no command. PX4 takes the new mission as a
+/// to an item that both missions have it needs no command. Where it is does not say so: at a
+/// waypoint it may fly on to the next one already, and where that is new, to the old place. So
+/// what it says of its current item after it took the mission decides. PX4 takes the new mission as a
 /// whole and begins it, so the current item is set as soon as it has it, before
 /// the mission is read back.
 #[derive(Debug)]
@@ -57,6 +62,8 @@ pub struct Diversion<'a> {
     here: Option<(LatLon, (f64, f64))>,
     /// Index in the new mission of the item that it flew to by its mission before.
     current: Option<usize>,
+    /// Until when it may say to which item of the new mission it flies.
+    says_by: Option<Time>,
     pending: Option<PendingCommand>,
     /// The same by message.
     setting: Option<Setting>,
@@ -92,6 +99,7 @@ impl<'a> Diversion<'a> {
             onward,
             here: None,
             current: None,
+            says_by: None,
             pending: None,
             setting: None,
             going: None,
@@ -120,34 +128,54 @@ impl<'a> Diversion<'a> {
                 }
             }
             Message::MissionCurrent { seq, total, .. } => {
-                self.heed_current(usize::from(*seq), usize::from(*total));
+                self.heed_current(now, usize::from(*seq), *total);
                 if let Some(setting) = &mut self.setting {
                     setting.heard(*seq, *total);
                 }
             }
             Message::Mission(MissionMessage {
                 mission_type: MISSION,
+                target,
                 body:
                     Body::Ack {
                         result: MissionResult::ACCEPTED,
                         ..
                     },
-                ..
-            }) => self.has_the_mission(now),
+            }) if is_for(self.us, *target) => self.has_the_mission(now),
             _ => {}
         }
     }
 
-    /// It flies to an item of the mission that it had before.
-    fn heed_current(&mut self, seq: usize, total: usize) {
+    /// The item that it flies to: of the mission that it had before, or of the new one.
+    fn heed_current(&mut self, now: Time, seq: usize, total: u16) {
         let (held, begin) = self.onward.held;
-        let has_new = self.pending.is_some() || self.setting.is_some() || self.going.is_some();
-        if has_new || total != held {
-            return;
-        }
+        let (total, is_known) = (usize::from(total), (1..u16::MAX).contains(&total));
         let first = usize::from(self.onward.mission.autopilot.first_row());
-        let index = (seq + first).checked_sub(1 + begin);
-        self.current = index.filter(|index| *index < self.onward.new);
+        let row = (seq + first).checked_sub(1);
+        if self.says_by.is_some() {
+            if !is_known || total == self.onward.mission.items.len() {
+                self.goes_to(row, now);
+            }
+        } else if !self.has_new() && total == held {
+            let index = row.and_then(|row| row.checked_sub(begin));
+            self.current = index.filter(|index| *index < self.onward.new);
+        }
+    }
+
+    /// Whether it has the new mission, by its own word.
+    fn has_new(&self) -> bool {
+        let is_ordered = self.pending.is_some() || self.setting.is_some();
+        self.says_by.is_some() || is_ordered || self.going.is_some()
+    }
+
+    /// It flies to an item of the new mission, or is not heard to. One that both missions have is
+    /// left to it; to a new one it would fly where the old one was.
+    fn goes_to(&mut self, index: Option<usize>, now: Time) {
+        self.says_by = None;
+        match index {
+            Some(index) if index < self.onward.new => self.going = Some(Ok(())),
+            _ => self.order(self.onward.new, now),
+        }
     }
 
     /// The item of a stop that a vehicle at a place and with a speed is making: going on with another
@@ -166,7 +194,7 @@ impl<'a> Diversion<'a> {
 
     /// The vehicle holds the new mission, by its own word.
     fn has_the_mission(&mut self, now: Time) {
-        if self.pending.is_some() || self.setting.is_some() || self.going.is_some() {
+        if self.has_new() {
             return;
         }
         let on = self.here.map(|here| {
@@ -186,9 +214,14 @@ impl<'a> Diversion<'a> {
         }
         let goes_on = self.onward.mission.autopilot == Autopilot::ArduPilot;
         if goes_on && next < self.onward.new && cross_track_m <= CROSS_TRACK_M {
-            self.going = Some(Ok(()));
+            self.says_by = Some(now + CURRENT_MS);
             return;
         }
+        self.order(next, now);
+    }
+
+    /// Orders it to go on with an item of the new mission.
+    fn order(&mut self, next: usize, now: Time) {
         let whole = |count: usize| u16::try_from(count).unwrap_or(0);
         match self.onward.mission.autopilot {
             // It counts home.
@@ -209,6 +242,9 @@ impl<'a> Diversion<'a> {
         self.session.handle_timeout(now);
         if self.outcome.is_some() {
             return;
+        }
+        if self.says_by.is_some_and(|until| now >= until) {
+            self.goes_to(None, now);
         }
         if let (Some(pending), None) = (&self.pending, &self.going) {
             self.going = match pending.answer(now) {

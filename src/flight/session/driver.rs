@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::end::End;
+use super::start::BEGUN;
 use super::{Event, Fleet, Intervention};
 use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::conformance::judge;
@@ -182,7 +183,7 @@ impl<'a> Driver<'a> {
     fn record(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
         let mut lines: Vec<String> = Vec::new();
         while let Some(event) = fleet.poll_event() {
-            if event.text.ends_with(": T0") {
+            if event.vehicle.is_none() && event.text == BEGUN {
                 let t0_unix_ms = unix_ms();
                 let announced = self.underway.announce(Some(t0_unix_ms));
                 self.note_unwritten(fleet, operator, announced);

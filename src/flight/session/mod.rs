@@ -33,6 +33,11 @@ const LOST_FLIGHT_S: f64 = 5.0;
 /// One that is heard without a heartbeat for so long, as well, seconds of flight: some of them may be lost.
 const NO_BEAT_S: f64 = 10.0;
 const LOST_WALL_MS: f64 = 2500.0;
+/// A vehicle that could not be started at its departure, because this program was stopped, is not started
+/// later than the times between vehicles allow and by more than this: seconds of flight, and of the wall's
+/// clock.
+const LATE_START_S: f64 = 3.0;
+const LATE_START_WALL_MS: f64 = 2500.0;
 /// A longer time between two steps of the driver is a stop of this program, milliseconds.
 const STOPPED_MS: u64 = 2000;
 
@@ -363,11 +368,17 @@ impl<'a> Fleet<'a> {
 
     fn watch(&mut self, now: Time, t0_ms: f64) {
         let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
+        let slack_s = self.alarms.as_ref().map_or(0.0, Alarms::slack_s);
         let mut ends_s = 0.0_f64;
         for vehicle in &mut self.vehicles {
             vehicle.check_rejoin();
-            if matches!(vehicle.stage, Stage::Armed) && t_s >= vehicle.of.start_s {
-                vehicle.start();
+            let after_s = t_s - vehicle.of.start_s;
+            if matches!(vehicle.stage, Stage::Armed) && after_s >= 0.0 {
+                let is_held_up = 1000.0 * after_s > LATE_START_WALL_MS * self.options.speedup;
+                match is_held_up && after_s > slack_s + LATE_START_S {
+                    true => vehicle.stays_behind(after_s),
+                    false => vehicle.start(),
+                }
             }
             vehicle.check_ending(t_s);
             ends_s = ends_s.max(vehicle.of.reference.end_s);
@@ -431,6 +442,7 @@ impl<'a> Fleet<'a> {
                 vehicle,
                 other: None,
                 kind: AlarmKind::Link,
+                cause: "",
                 is_raised: silent_s.is_some(),
                 text,
             };

@@ -13,6 +13,9 @@ const LIFTOFF_S: f64 = 5.0;
 /// Vehicles are armed again this often before nothing is started.
 const MOST_AGAIN: u8 = 6;
 
+/// The event of T0: of no vehicle, whatever texts those send.
+pub(super) const BEGUN: &str = "all are armed: T0";
+
 /// When a flight may begin whose limits hold at certain times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Launch {
@@ -171,7 +174,7 @@ impl Fleet<'_> {
         } else if waiting.is_empty() {
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };
-            self.say(now, None, "all are armed: T0".to_owned());
+            self.say(now, None, BEGUN.to_owned());
         } else if now >= until {
             let why = "no fresh heartbeat shows it armed";
             let refusals = waiting.into_iter().map(|id| (id, why.to_owned()));

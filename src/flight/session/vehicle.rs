@@ -185,6 +185,8 @@ pub(crate) struct FlightVehicle<'a> {
     texts: TextLimit,
     /// Items on board without home, as the vehicle says.
     pub(crate) total: Totals,
+    /// The plan that it is sent in flight, and its number of items: it flies it from when it holds as many.
+    pub(crate) next: Option<(usize, Reference)>,
     airborne: bool,
     /// Heartbeats in a row that show its motors to stand, and to run, while it flies or after that.
     pub(crate) motors: Motors,
@@ -192,6 +194,10 @@ pub(crate) struct FlightVehicle<'a> {
     /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
     hold: HoldWatch,
+    /// Whether it was ordered to land, and does so at the end of its mission.
+    pub(crate) lands_as_planned: bool,
+    /// What it was ordered to do before it was known where it is on a flight that is taken over.
+    pub(crate) ordered_early: Option<Instruction>,
     pub(crate) in_mission: bool,
     /// Whether an event has reported that it left its mission.
     left: bool,
@@ -270,11 +276,14 @@ impl<'a> FlightVehicle<'a> {
             invalid_positions: 0,
             texts: TextLimit::default(),
             total: Totals::default(),
+            next: None,
             airborne: false,
             motors: Motors::default(),
             instruction: None,
             holds: false,
             hold: HoldWatch::default(),
+            lands_as_planned: false,
+            ordered_early: None,
             in_mission: false,
             left: false,
             taken_back: None,

@@ -72,6 +72,11 @@ impl Task {
         }
     }
 
+    /// Whether every item of the list that is sent went out.
+    pub(crate) fn is_all_sent(&self) -> bool {
+        matches!(self, Self::Upload(upload) if upload.all_sent())
+    }
+
     /// Starts of a list, and messages that were repeated.
     pub(crate) fn effort(&self) -> (u32, u32) {
         match self {

@@ -229,7 +229,8 @@ impl Upload {
         usize::from(seq) + 1 == self.items.len()
     }
 
-    fn all_sent(&self) -> bool {
+    /// Whether every item went out in this run.
+    pub(crate) fn all_sent(&self) -> bool {
         self.sent.iter().all(|sent| *sent)
     }
 

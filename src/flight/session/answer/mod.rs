@@ -11,14 +11,16 @@ use crate::world::World;
 
 /// An order that could not be given is tried again after this time, milliseconds.
 const AGAIN_MS: u64 = 5000;
+/// So is one to a vehicle whose flight is taken over, and that was not heard yet, milliseconds.
+const REJOINING_MS: u64 = 500;
 
 /// An order that waits until its way is clear.
 #[derive(Clone, Debug)]
 pub(in crate::flight) struct Waiting {
     vehicle: usize,
     kind: AlarmKind,
-    /// Vehicle of the alarm.
-    of: usize,
+    /// The alarm: its vehicles, and its cause.
+    of: (usize, Option<usize>, &'static str),
     instruction: Instruction,
     again: Time,
 }
@@ -51,6 +53,7 @@ impl<'a> Fleet<'a> {
             return;
         };
         vehicle.progress.add_mission(plan.items, &plan.reference);
+        vehicle.next = Some((plan.items, plan.reference.clone()));
         if let Some(alarms) = &mut self.alarms {
             alarms.replan(index, plan);
         }
@@ -145,7 +148,7 @@ impl<'a> Fleet<'a> {
         if alarm.is_raised {
             self.answer(now, alarm);
         } else {
-            let (kind, of) = (alarm.kind, alarm.vehicle);
+            let (kind, of) = (alarm.kind, (alarm.vehicle, alarm.other, alarm.cause));
             self.waiting.retain(|w| (w.kind, w.of) != (kind, of));
         }
     }
@@ -177,7 +180,7 @@ impl<'a> Fleet<'a> {
             let waiting = Waiting {
                 vehicle,
                 kind,
-                of: alarm.vehicle,
+                of: (alarm.vehicle, alarm.other, alarm.cause),
                 instruction,
                 again: now,
             };
@@ -201,14 +204,22 @@ impl<'a> Fleet<'a> {
             let id = vehicle.of.vehicle.to_owned();
             return self.say(now, Some(id), text);
         }
-        let is_obeying = vehicle.instruction.is_some_and(|of| of >= instruction);
+        if matches!(vehicle.stage, Stage::Rejoining { .. }) {
+            // Whether it flies is known soon.
+            let again = now + REJOINING_MS;
+            return self.waiting.push(Waiting { again, ..waiting });
+        }
+        let is_obeying =
+            vehicle.instruction.is_some_and(|of| of >= instruction) || vehicle.lands_as_planned;
         if is_obeying || !matches!(vehicle.stage, Stage::Flying | Stage::Starting) {
             return;
         }
+        let circles = instruction == Instruction::Hold
+            || instruction == Instruction::Land && vehicle.lands_by_circling();
         let problem = self.alarms.as_ref().and_then(|alarms| match instruction {
-            Instruction::Hold => alarms.circle_problem(t_s, index),
+            _ if circles => alarms.circle_problem(t_s, index),
             Instruction::Return => alarms.return_problem(t_s, index),
-            Instruction::Land => None,
+            Instruction::Hold | Instruction::Land => None,
         });
         let id = self.vehicles[index].of.vehicle.to_owned();
         let (kind, verb) = (waiting.kind, instruction.verb());
@@ -245,6 +256,10 @@ impl<'a> Fleet<'a> {
             };
             let given = self.given.iter().position(|given| given.vehicle == index);
             let (Some(why), Some(given)) = (problem, given) else {
+                // Others stay out of its way from here.
+                if let Some(alarms) = &mut self.alarms {
+                    alarms.ordered(t_s, index, true);
+                }
                 continue;
             };
             let given = self.given.swap_remove(given);

@@ -143,14 +143,18 @@ impl FlightVehicle<'_> {
     pub(super) fn heed_total(&mut self, has_begun: bool) {
         let is_checked = matches!(self.stage, Stage::Ready | Stage::Arming | Stage::Armed);
         let read = self.of.mission.items.len();
-        let other = self.total.now.filter(|now| is_checked && *now != read);
-        let Some(now) = other else {
-            self.total.ready = self.total.ready.or(self.total.now.filter(|_| is_checked));
-            return;
+        let why = match (self.total.now, self.total.ready) {
+            _ if !is_checked => return,
+            (Some(now), _) if now != read => format!(
+                "its mission was changed on board after it was read: {now} items in place of {read}"
+            ),
+            // ArduPilot says 0 of no items, PX4 65535, which others say of any number.
+            (None, Some(_)) => "its mission was cleared on board after it was read".to_owned(),
+            (now, ready) => {
+                self.total.ready = ready.or(now);
+                return;
+            }
         };
-        let why = format!(
-            "its mission was changed on board after it was read: {now} items in place of {read}"
-        );
         match has_begun {
             true => self.disarm(Some(End::Failed(why))),
             false => self.stage = Stage::Refused(vec![why]),

@@ -166,11 +166,15 @@ impl FlightVehicle<'_> {
     pub(super) fn away_from_returns_m(&self, fix: Fix) -> (f64, f64) {
         let frame = self.of.reference.frame();
         let at = frame.to_plan(fix.place);
-        let home = self.of.reference.waypoints.first();
-        let home_m = home.map_or(f64::INFINITY, |home| home.point.at.distance_m(at));
+        let home_m = self.of.mission.home_point(frame).at.distance_m(at);
         let rally = self.of.mission.rally_points(frame);
         let rally_m = rally.map(|place| place.distance_m(at));
         (home_m, rally_m.fold(f64::INFINITY, f64::min))
+    }
+
+    /// Whether an order to land has it circle where it is: a plane without a landing in its mission.
+    pub(crate) fn lands_by_circling(&self) -> bool {
+        modes::land(self.of.mission).is_none() && !self.of.reference.lands
     }
 
     /// A plane comes down on the approach of its mission, the only one that was judged.
@@ -178,9 +182,13 @@ impl FlightVehicle<'_> {
         if self.of.reference.lands {
             self.said
                 .push_back("lands as planned, at the end of its mission".to_owned());
+            // Its last heartbeat may be older than the order to hold that this one comes after.
+            let is_on_mission = self.in_mission && self.instruction.is_none();
             (self.instruction, self.holds) = (None, false);
-            if !self.in_mission {
-                self.command([modes::start(self.of.mission)]);
+            self.lands_as_planned = true;
+            match is_on_mission {
+                true => self.command([]),
+                false => self.command([modes::start(self.of.mission)]),
             }
         } else {
             self.said
@@ -296,8 +304,14 @@ impl FlightVehicle<'_> {
 
     /// Ends its monitoring: with a hold if it holds, else with `other`.
     pub(in crate::flight) fn watch_no_more(&mut self, other: End, is_lost: bool) {
-        if matches!(self.stage, Stage::Disarming(_)) {
-            return self.stop_disarming();
+        match self.stage {
+            Stage::Disarming(_) => return self.stop_disarming(),
+            // It would take off, or stay armed, with nobody who watches.
+            Stage::Armed => {
+                let end = matches!(other, End::Failed(_)).then_some(other);
+                return self.disarm(end);
+            }
+            _ => {}
         }
         let end = match (self.holds, is_lost) {
             (true, false) => End::Held,

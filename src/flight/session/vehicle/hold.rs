@@ -7,6 +7,7 @@ use super::{FlightVehicle, Instruction, Stay};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival::{self, Mean, REST_S};
 use crate::flight::session::modes;
+use crate::flight::session::orbit::Orbit;
 use crate::link::{Command, Time};
 
 /// A hold or a landing is ordered again after this time, until the mode shows it, milliseconds.
@@ -86,6 +87,7 @@ impl FlightVehicle<'_> {
             self.holds = false;
             self.hold.left_s = Some(fix.t_s);
             self.hold.anchor = rest.or(self.hold.anchor);
+            self.orbit = Orbit::default();
             let text = format!("does not hold any more: {why}");
             return self.said.push_back(text);
         }
@@ -258,6 +260,7 @@ impl FlightVehicle<'_> {
     /// An order to hold, or to land, begins.
     pub(super) fn begin_instruction(&mut self, instruction: Instruction) {
         (self.instruction, self.holds) = (Some(instruction), false);
+        self.lands_as_planned = false;
         self.hold = HoldWatch::default();
         self.stay = Stay::default();
     }

@@ -81,6 +81,11 @@ impl FlightVehicle<'_> {
                 let is_known = (1..u16::MAX).contains(total);
                 self.total.now = is_known.then_some(usize::from(*total));
                 self.heed_total(t0_ms.is_some());
+                let now = self.total.now;
+                let taken = self.next.take_if(|(items, _)| Some(*items) == now);
+                if let Some((_, reference)) = taken {
+                    self.of.reference = reference;
+                }
             }
             Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
                 self.warn(text);

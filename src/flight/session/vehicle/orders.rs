@@ -11,6 +11,14 @@ impl FlightVehicle<'_> {
         self.command([modes::start(self.of.mission)]);
     }
 
+    /// It could not be started at its departure: others are not where the verdict has them by now.
+    pub(in crate::flight) fn stays_behind(&mut self, after_s: f64) {
+        let why = format!("was not started: its departure was {after_s:.0} s ago");
+        self.said
+            .push_back(format!("{why}, and it stays on the ground"));
+        self.disarm(Some(End::Failed(why)));
+    }
+
     /// Says that it is on its mission again, although it was ordered to leave it.
     pub(in crate::flight) fn say_taken_back(&mut self) {
         if self.taken_back.take().is_some() {
@@ -33,10 +41,15 @@ impl FlightVehicle<'_> {
         true
     }
 
-    /// Orders it to hold or to land, if it flies.
+    /// Orders it to hold or to land, if it flies, or once it is known that it does.
     pub(in crate::flight) fn instruct(&mut self, instruction: Instruction) {
-        if !matches!(self.stage, Stage::Flying | Stage::Starting) {
-            return;
+        match self.stage {
+            Stage::Flying | Stage::Starting => {}
+            Stage::Rejoining { .. } => {
+                self.ordered_early = Some(instruction);
+                return;
+            }
+            _ => return,
         }
         let order = match instruction {
             Instruction::Hold => Some(modes::hold(self.of.mission)),

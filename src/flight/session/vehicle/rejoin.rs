@@ -39,6 +39,9 @@ impl FlightVehicle<'_> {
             (true, false) => {
                 self.said.push_back("is armed on the ground".to_owned());
                 self.stage = Stage::Armed;
+                if self.ordered_early.take().is_some() {
+                    self.disarm(None);
+                }
             }
             (false, true) => {
                 let end = self.landing();
@@ -86,5 +89,8 @@ impl FlightVehicle<'_> {
             format!("is off its mission, in {mode}")
         };
         self.said.push_back(format!("is watched again: it {text}"));
+        if let Some(instruction) = self.ordered_early.take() {
+            self.instruct(instruction);
+        }
     }
 }

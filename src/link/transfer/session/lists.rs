@@ -220,7 +220,10 @@ impl<'a> Session<'a> {
     /// PX4 checks a mission after confirming it, and reports only as text that it will not
     /// fly it. Earlier texts are about the mission that it held before.
     pub(crate) fn look_for_rejection(&mut self, from: Address, text: &str) {
-        let is_sent = ORDER.get(self.at) == Some(&List::Mission) && self.acknowledged;
+        // Its acknowledgement may be lost.
+        let is_out = matches!(&self.stage, Stage::Working(task) if task.is_all_sent());
+        let is_mission = ORDER.get(self.at) == Some(&List::Mission);
+        let is_sent = is_mission && (self.acknowledged || is_out);
         let is_held = is_sent || self.is_last_look || matches!(self.stage, Stage::Listening { .. });
         if is_held && self.is_of_autopilot(from) && text.starts_with(REJECTED) {
             self.rejection = Some(text.trim_end().to_owned());

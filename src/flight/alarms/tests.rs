@@ -1,0 +1,157 @@
+use super::*;
+use crate::autopilot::{Airframe, Autopilot};
+use crate::flight::conformance::reference::Waypoint;
+use crate::flight::record::Plan;
+use crate::geodesy::{Amsl, LatLon};
+use crate::mission::Home;
+use crate::spec::SpecFile;
+
+/// A copter at home in the west, which flies to the east; `more` is added to its spec.
+fn spec(more: &str) -> MissionSpec {
+    let text = format!(
+        "
+sortie: 2
+name: return
+area: {{south_west: {{lat: 36.28, lon: -84.30}}, north_east: {{lat: 36.32, lon: -84.22}}, min_agl_m: 30, max_amsl_m: 900}}
+terrain: {{flat: {{amsl_m: 400}}}}
+vehicles:
+  - {{id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 10, finish: land, return_amsl_m: 520,
+     start: {{lat: 36.30, lon: -84.28, agl_m: 80}}, goal: {{lat: 36.30, lon: -84.23, agl_m: 80}}}}
+{more}"
+    );
+    let path = std::path::Path::new("return.yaml");
+    SpecFile::parse(path, text).expect("a spec").spec
+}
+
+fn mission(items: usize) -> VehicleMission {
+    let item = crate::mission::Item {
+        command: crate::mission::command::NAV_WAYPOINT,
+        frame: 0,
+        autocontinue: true,
+        params: [0.0; 4],
+        x: 363_000_000,
+        y: -842_300_000,
+        z: 480.0,
+    };
+    VehicleMission {
+        autopilot: Autopilot::ArduPilot,
+        autopilot_version: None,
+        airframe: Airframe::Copter,
+        home: Home {
+            x: 363_000_000,
+            y: -842_800_000,
+            amsl_m: 400.0,
+        },
+        items: vec![item; items],
+        fence: Vec::new(),
+        is_fence_known: true,
+        rally: Vec::new(),
+        params: Vec::new(),
+        notes: Vec::new(),
+    }
+}
+
+/// A plan that begins at a longitude, 80 m above the ground.
+fn plan(world: &World, from_lon_deg: f64, items: usize) -> Plan {
+    let at = |item: usize, lon_deg: f64| {
+        let place = LatLon {
+            lat_deg: 36.30,
+            lon_deg,
+        };
+        Waypoint {
+            item,
+            point: PlanPoint {
+                at: world.frame.to_plan(place),
+                amsl: Amsl(480.0),
+            },
+            t_s: 0.0,
+            radius_m: 0.0,
+            late_s: 0.0,
+        }
+    };
+    let waypoints = vec![at(0, from_lon_deg), at(items, -84.23)];
+    Plan {
+        items,
+        reference: Reference::of_waypoints(waypoints, (1000.0, true), world.frame),
+    }
+}
+
+/// Why it does not return from a longitude, after it took a plan that begins at another.
+fn problem(spec: &MissionSpec, here_lon_deg: f64, replanned_from: Option<f64>) -> Option<String> {
+    let world =
+        crate::world::World::new(spec, crate::world::Terrain::Flat(Amsl(400.0))).expect("ground");
+    let (before, us) = (
+        mission(3),
+        Address {
+            system: 245,
+            component: 190,
+        },
+    );
+    let watch = Watch {
+        vehicle: &spec.vehicles[0],
+        mission: &before,
+        reference: plan(&world, -84.28, 3).reference,
+    };
+    let mut alarms = Alarms::new(spec, &world, vec![watch], us, 1.0);
+    if let Some(lon_deg) = replanned_from {
+        alarms.replan(0, plan(&world, lon_deg, 5));
+        let current = Message::MissionCurrent {
+            seq: 2,
+            total: 5,
+            opaque_ids: [0; 3],
+        };
+        alarms.handle(10.0, 0, &current);
+    }
+    let place = LatLon {
+        lat_deg: 36.30,
+        lon_deg: here_lon_deg,
+    };
+    let fix = Fix {
+        t_s: 10.0,
+        place,
+        amsl: Amsl(480.0),
+        speed_mps: 10.0,
+        item: 2,
+        items: 5,
+        boot_ms: None,
+    };
+    let position = Position {
+        boot_ms: 10_000,
+        x: 363_000_000,
+        y: -842_500_000,
+        amsl_mm: 480_000,
+        above_home_mm: 80_000,
+        velocity_cmps: [0, 1000, 0],
+    };
+    alarms.position(10.0, 0, fix, &position);
+    alarms.return_problem(10.0, 0)
+}
+
+#[test]
+fn a_return_leads_to_its_home_although_its_plan_began_in_the_air() {
+    let clear = spec("");
+    assert_eq!(problem(&clear, -84.24, None), None);
+    assert_eq!(problem(&clear, -84.24, Some(-84.25)), None);
+    let wall =
+        spec("threats:\n  - {id: wall, kind: radar, lat: 36.30, lon: -84.265, radius_m: 200}\n");
+    for replanned_from in [None, Some(-84.25)] {
+        let why = problem(&wall, -84.24, replanned_from).expect("a wall on its way");
+        assert_eq!(why, "its way home leads into wall");
+    }
+}
+
+#[test]
+fn a_return_does_not_climb_or_come_down_through_a_zone() {
+    // It flies at 480 m, and returns at 520 m.
+    for (west, is_closed) in [(-84.242, true), (-84.282, true), (-84.262, false)] {
+        let east = west + 0.004;
+        let lid = format!(
+            "zones:
+  - {{id: lid, floor: {{amsl_m: 495}}, ceiling: {{amsl_m: 505}}, polygon: [[36.298, {west}], [36.298, {east}], [36.302, {east}], [36.302, {west}]]}}
+"
+        );
+        let why = problem(&spec(&lid), -84.24, None);
+        let expected = is_closed.then(|| "its way home leads into lid".to_owned());
+        assert_eq!(why, expected, "{west}");
+    }
+}
