@@ -34,7 +34,7 @@
 //! | 5 | [`cost`] | the objective: named terms, weights, the fast kernel and its reference |
 //! | 6 | [`plan`](mod@plan) | one vehicle's search problem; the fleet in priority order; why there is no path |
 //! | 7 | [`mission`] | mission items, path to items, acceptance |
-//! | 7 | [`tasks`] | the order of stops |
+//! | 7 | [`tasks`] | tasks to stops of vehicles: who does what, in which order |
 //! | 8 | [`formats`] | `.waypoints`, `.plan`, KML, GeoJSON, parameter files |
 //! | 8 | [`verify`](mod@verify) | limits, margins, the verdict on encoded missions in continuous time |
 //! | 9 | [`dispatch`] | plan, encode, verify, repair, in bounded rounds |

@@ -42,6 +42,10 @@ pub struct Acceptance {
     pub takeoffs: &'static [u16],
     /// Whether a mission from the ground must begin with one of them.
     pub needs_takeoff: bool,
+    /// The commands that may come before the takeoff, where no others may.
+    pub before_takeoff: Option<&'static [u16]>,
+    /// Whether there may be one start of a landing alone, before a landing, and no return after it.
+    pub one_land_start: bool,
     /// The commands that land the airframe as planned.
     pub landings: &'static [u16],
     /// Whether `NAV_DELAY` ends at once.

@@ -64,6 +64,8 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     takeoffs: &[command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF],
     // On the ground; in the air it continues without one.
     needs_takeoff: true,
+    before_takeoff: None,
+    one_land_start: false,
     landings: &[command::NAV_LAND, command::NAV_VTOL_LAND],
     never_waits: false,
     whole_numbers: false,
@@ -110,7 +112,7 @@ const DEV: Version = version(4, 7);
 /// `missions/sitl-ardupilot.yaml`: 5.5 to 6.0 s late over their homes (motors that spin up, jerk
 /// upwards), 6.1 to 8.5 s at waypoints. Two over the ridge of Jacksboro: 8.3 s and, where slopes
 /// change by 7 degrees, 11.6 s at waypoints. ArduCopter 4.6.0-dev was 6 s late on the first.
-pub(super) const TAKEOFF_LATE_S: Figure = Figure(&[measured(
+const TAKEOFF_LATE_S: Figure = Figure(&[measured(
     (12.0, "s"),
     DEV,
     5,

@@ -36,6 +36,13 @@ pub(super) static CONVENTIONS: Conventions = Conventions {
     rejects_after_ack: true,
 };
 
+/// What `FeasibilityChecker::checkTakeoff` of 1.17 does not count as the first item with a position: a gripper or a winch
+/// before the takeoff counts as one.
+static BEFORE_TAKEOFF: [u16; 29] = [
+    0, 93, 177, 178, 179, 189, 195, 196, 197, 200, 201, 203, 204, 205, 206, 214, 260, 530, 531,
+    532, 534, 1000, 1001, 2000, 2001, 2003, 2500, 2501, 3000,
+];
+
 const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     location_frames: &[0, 3, 5, 6],
     command_frames: Some(&[frame::MISSION]),
@@ -49,6 +56,8 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     takeoffs: &[command::NAV_TAKEOFF],
     // With `MIS_TKO_LAND_REQ` 0 a copter climbs to its first waypoint by itself.
     needs_takeoff: false,
+    before_takeoff: Some(&BEFORE_TAKEOFF),
+    one_land_start: false,
     landings: &[command::NAV_LAND],
     never_waits: false,
     whole_numbers: false,
@@ -112,8 +121,7 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
 };
 
 const WING_BEHAVIOUR: Behaviour = Behaviour {
-    // Assumed: copters of ArduPilot were measured.
-    takeoff_late_s: ardupilot::TAKEOFF_LATE_S,
+    takeoff_late_s: NONE,
     leg_late_s: NONE,
     late_share: NONE,
     lean_speed_mps: NONE,
@@ -180,6 +188,7 @@ pub(super) static PLANE: Facts = Facts {
     },
     acceptance: Acceptance {
         needs_takeoff: true,
+        one_land_start: true,
         reads: Some(&read_parameters::PX4_WING),
         // `FeasibilityChecker::checkFixedWindLandApproach`.
         needs_approach: true,
@@ -204,7 +213,6 @@ pub(super) static PLANE: Facts = Facts {
     behaviour: Behaviour {
         // Assumed: ArduPlane was measured.
         takeoff_early_s: ardupilot::TAKEOFF_EARLY_S,
-        takeoff_late_s: NONE,
         ..WING_BEHAVIOUR
     },
     buffer_m: ardupilot::WING_BUFFER_M,
@@ -220,6 +228,7 @@ pub(super) static VTOL: Facts = Facts {
     },
     acceptance: Acceptance {
         needs_takeoff: true,
+        one_land_start: true,
         reads: Some(&read_parameters::PX4_WING),
         // `NAV_FORCE_VT` 1, the default, is to fly 22 as 84 and 21 as 85; after a 22 a VTOL of 1.18 beta stayed on its
         // rotors.

@@ -13,7 +13,9 @@ pub(super) fn run(folder: &Path) -> Result<(), Failure> {
     let write = || {
         fs::create_dir_all(folder)?;
         clap_mangen::generate_to(Arguments::command(), folder)?;
-        Ok(fs::read_dir(folder)?.count())
+        let files = fs::read_dir(folder)?.filter_map(Result::ok);
+        let is_page = |file: &fs::DirEntry| file.path().extension().is_some_and(|of| of == "1");
+        Ok(files.filter(is_page).count())
     };
     let pages = write().map_err(|error: std::io::Error| {
         Failure::new(Failure::OUTPUT, format!("{}: {error}", folder.display()))

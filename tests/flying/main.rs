@@ -26,4 +26,5 @@ mod replan_left;
 mod replan_stops;
 mod replan_trouble;
 mod replan_wings;
+mod seen_in_flight;
 mod served;

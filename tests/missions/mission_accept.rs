@@ -263,6 +263,54 @@ fn the_first_place_is_a_takeoff_but_a_delay_may_come_before() {
 }
 
 #[test]
+fn px4_takes_a_takeoff_before_anything_that_counts_as_a_place() {
+    for before in [211, 42600] {
+        let gripper = |mission: &mut VehicleMission| {
+            mission.items.insert(0, at(before, 2, 0.0));
+        };
+        let of = found(Px4, gripper);
+        let is_it = |of: &AcceptanceProblem| (of.item, of.rule) == (2, "takeoff first of all");
+        assert!(of.iter().any(is_it), "{before}: {of:?}");
+    }
+    fine(Px4, |mission| {
+        mission.items.insert(0, at(command::NAV_DELAY, 2, 0.0));
+    });
+    fine(ArduPilot, |mission| {
+        mission.items.insert(0, at(211, 2, 0.0));
+    });
+}
+
+#[test]
+fn px4_takes_one_start_of_a_landing_on_wings_before_the_landing_and_no_return_after_it() {
+    let start = || at(command::DO_LAND_START, 2, 0.0);
+    let vtol = |change: &dyn Fn(&mut Vec<Item>)| {
+        found(Px4, |mission| {
+            mission.airframe = Airframe::Vtol;
+            mission.items[0].command = command::NAV_VTOL_TAKEOFF;
+            mission.items[2].command = command::NAV_VTOL_LAND;
+            change(&mut mission.items);
+        })
+    };
+    let rule = |of: &[AcceptanceProblem]| {
+        let of = of.iter().find(|of| of.rule == "start of the landing");
+        of.map(|of| of.item)
+    };
+    assert_eq!(rule(&vtol(&|items| items.insert(2, start()))), None);
+    let twice = vtol(&|items| {
+        items.insert(2, start());
+        items.insert(1, start());
+    });
+    assert_eq!(rule(&twice), Some(4));
+    let late = vtol(&|items| items.push(start()));
+    assert_eq!(rule(&late), Some(4));
+    let home = vtol(&|items| {
+        items.insert(2, start());
+        items.push(at(command::NAV_RETURN_TO_LAUNCH, 2, 0.0));
+    });
+    assert_eq!(rule(&home), Some(5));
+}
+
+#[test]
 fn a_takeoff_goes_up() {
     let to = |frame, z| {
         move |mission: &mut VehicleMission| {

@@ -47,7 +47,7 @@ impl Failure {
     pub(crate) const INPUT: Code = Code(3);
     /// Nothing that passes verification.
     pub(crate) const VERDICT: Code = Code(4);
-    /// Transfer failed.
+    /// A transfer failed, or a flight did not go as planned.
     pub(crate) const TRANSFER: Code = Code(5);
 
     pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {

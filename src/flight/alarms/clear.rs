@@ -228,12 +228,14 @@ impl Alarms<'_> {
         }
         let from = here.point.at;
         let steps = count(from.distance_m(to) / STEP_M);
-        for step in 0..=steps {
+        let leg = (0..=steps).map(|step| {
             let share = f64::from(step) / f64::from(steps);
-            let at = EastNorth {
+            EastNorth {
                 east_m: from.east_m + share * (to.east_m - from.east_m),
                 north_m: from.north_m + share * (to.north_m - from.north_m),
-            };
+            }
+        });
+        for at in leg.clone() {
             // Over its end it comes down.
             if at.distance_m(to) > COLUMN_M
                 && let Some(why) = self.place_problem(PlanPoint { at, amsl }, t_s)
@@ -241,24 +243,11 @@ impl Alarms<'_> {
                 return Some(format!("{way} {why}"));
             }
         }
-        let lower_m = here.point.amsl.0.min(place.level_amsl.0);
-        let lower_m = if of.vehicle.airframe.has_wing() {
-            lower_m
-        } else {
-            level_m
-        };
         let columns = [
             (from, (here.point.amsl.0, level_m)),
             (to, (place.point.amsl.0, level_m)),
         ];
-        let leg = (0..=steps).map(|step| {
-            let share = f64::from(step) / f64::from(steps);
-            let at = EastNorth {
-                east_m: from.east_m + share * (to.east_m - from.east_m),
-                north_m: from.north_m + share * (to.north_m - from.north_m),
-            };
-            (at, (lower_m, level_m))
-        });
+        let leg = leg.map(|at| (at, (amsl.0, level_m)));
         let mut columns = columns.into_iter().chain(leg);
         if let Some(id) = columns.find_map(|column| self.zone_in(column, t_s)) {
             return Some(format!("{way} leads into {id}"));

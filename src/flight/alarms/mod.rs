@@ -446,17 +446,14 @@ impl<'a> Alarms<'a> {
             (Some(standing), None) if t_s - standing.seen_s >= OVER_S => {
                 let lasted_s = standing.seen_s - standing.since_s;
                 self.standing.remove(&key);
-                let cause = if key.3.is_empty() {
-                    String::new()
-                } else {
-                    format!(" ({})", key.3)
+                let is_off = [AlarmKind::Corridor, AlarmKind::Late].contains(&key.0)
+                    && self.vehicles[key.1].duty.is_ordered;
+                let text = match (is_off, key.3) {
+                    (true, _) => "not looked for any more: it was ordered off its path".to_owned(),
+                    (false, "") => format!("over after {lasted_s:.0} s"),
+                    (false, cause) => format!("over after {lasted_s:.0} s ({cause})"),
                 };
-                self.push(
-                    t_s,
-                    key,
-                    false,
-                    format!("over after {lasted_s:.0} s{cause}"),
-                );
+                self.push(t_s, key, false, text);
             }
             _ => {}
         }

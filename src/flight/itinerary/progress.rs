@@ -1,7 +1,7 @@
 //! What a vehicle was seen to do of its itinerary: live, and again from the record, by the same rule.
 //!
-//! A stop is done when the vehicle was seen at it while it flew to each of its rows, and then said
-//! that it reached the last of them, or stayed as long as planned before it went on. Where it has to come
+//! A stop is done when the vehicle was seen at it while it flew to each of its rows, stayed there about as
+//! long as planned, and then said that it reached the last of them, or was seen to stay as long before it went on. Where it has to come
 //! down it was seen to, and with a load to stay on the ground. What it goes on from
 //! without that is missed.
 
@@ -24,6 +24,10 @@ pub(crate) const WING_STOP_M: f64 = 150.0;
 const RESTS_MPS: f64 = 1.0;
 /// What is missing of a stay may not have been seen, seconds.
 const UNSEEN_S: f64 = 1.0;
+/// A vehicle that says that it reached a stop begins its stay before it rests: it was seen there for less than planned by
+/// this, seconds, and this share.
+const BRAKES_S: f64 = 2.0;
+const BRAKES_SHARE: f64 = 0.2;
 /// The message that an item was reached may come after the next item is current, seconds.
 const LATE_S: f64 = 3.0;
 /// Share of a descent at a stop on which a vehicle must be seen: the ground is not known to the metre.
@@ -177,7 +181,10 @@ impl Progress {
                 continue;
             }
             stop.see(row);
-            if row == rows.last() && stop.has_been_at(&rows) && stop.has_come_down(&rows) {
+            let stayed_s = stop.seen.begun_s.map_or(0.0, |begun_s| t_s - begun_s);
+            let stayed = stayed_s >= (1.0 - BRAKES_SHARE) * rows.rest_s - BRAKES_S;
+            let is_last = row == rows.last();
+            if is_last && stayed && stop.has_been_at(&rows) && stop.has_come_down(&rows) {
                 self.finish(at, t_s);
             }
         }

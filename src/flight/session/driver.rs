@@ -168,9 +168,7 @@ impl<'a> Driver<'a> {
                 Arrival::Message(link, from, message) => {
                     fleet.handle(now, (link, from), &message);
                 }
-                Arrival::DuplicateSystem(system) => {
-                    fleet.trouble(now, Some(system), "speaks from two addresses at once");
-                }
+                Arrival::DuplicateSystem(system, what) => fleet.trouble(now, Some(system), what),
                 Arrival::Failed(link, why) => {
                     fleet.trouble(now, None, &format!("the link {link} has failed: {why}"));
                 }

@@ -171,7 +171,7 @@ impl<'a> Fleet<'a> {
                 continue;
             }
             vehicle.handle(clock, from, message);
-            if vehicle.is_from_autopilot(from) {
+            if vehicle.is_of_autopilot(from, message) {
                 self.hand_over(now, index, message);
             }
         }

@@ -77,8 +77,12 @@ pub(crate) enum Stage<'a> {
     Armed,
     /// Commands until the heartbeat shows that the motors stand.
     Disarming(Disarming),
-    /// Its flight is taken over from a record with this number of its positions.
-    Rejoining { known: usize },
+    /// Its flight is taken over from a record with this number of its positions; what it was ordered to do
+    /// before it was heard.
+    Rejoining {
+        known: usize,
+        ordered: Option<Instruction>,
+    },
     /// The mission was ordered to start.
     Starting,
     /// The mission is flown.
@@ -122,10 +126,12 @@ impl Instruction {
 }
 
 /// How many items it said to hold: last, and when all was as planned.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Totals {
     pub(crate) now: Option<usize>,
     pub(crate) ready: Option<usize>,
+    /// The plan that it is sent in flight, and its number of items: it flies it from when it holds as many.
+    pub(crate) next: Option<(usize, Reference)>,
 }
 
 /// Whether it stays in the air at the end of its mission. It is monitored as long as others fly.
@@ -185,8 +191,6 @@ pub(crate) struct FlightVehicle<'a> {
     texts: TextLimit,
     /// Items on board without home, as the vehicle says.
     pub(crate) total: Totals,
-    /// The plan that it is sent in flight, and its number of items: it flies it from when it holds as many.
-    pub(crate) next: Option<(usize, Reference)>,
     airborne: bool,
     /// Heartbeats in a row that show its motors to stand, and to run, while it flies or after that.
     pub(crate) motors: Motors,
@@ -194,10 +198,6 @@ pub(crate) struct FlightVehicle<'a> {
     /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
     hold: HoldWatch,
-    /// Whether it was ordered to land, and does so at the end of its mission.
-    pub(crate) lands_as_planned: bool,
-    /// What it was ordered to do before it was known where it is on a flight that is taken over.
-    pub(crate) ordered_early: Option<Instruction>,
     pub(crate) in_mission: bool,
     /// Whether an event has reported that it left its mission.
     left: bool,
@@ -276,14 +276,11 @@ impl<'a> FlightVehicle<'a> {
             invalid_positions: 0,
             texts: TextLimit::default(),
             total: Totals::default(),
-            next: None,
             airborne: false,
             motors: Motors::default(),
             instruction: None,
             holds: false,
             hold: HoldWatch::default(),
-            lands_as_planned: false,
-            ordered_early: None,
             in_mission: false,
             left: false,
             taken_back: None,
@@ -299,9 +296,13 @@ impl<'a> FlightVehicle<'a> {
         }
     }
 
-    /// Whether a message comes from its autopilot.
-    pub(crate) fn is_from_autopilot(&self, from: Address) -> bool {
-        self.vehicle.is_some_and(|(autopilot, _)| autopilot == from)
+    /// Whether a message comes from its autopilot. A gimbal or a camera may use the same component id: its
+    /// heartbeats have another autopilot, or none.
+    pub(crate) fn is_of_autopilot(&self, from: Address, message: &Message) -> bool {
+        self.vehicle.is_some_and(|(autopilot, known)| {
+            let is_other = |beat: &Heartbeat| beat.autopilot != known.autopilot;
+            autopilot == from && !matches!(message, Message::Heartbeat(beat) if is_other(beat))
+        })
     }
 
     /// The last heartbeat of its autopilot.

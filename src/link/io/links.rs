@@ -28,8 +28,8 @@ pub struct Links {
 pub enum Arrival {
     /// A message, the number of the link that it came over (see [`Links::number`]), its sender.
     Message(usize, Address, Message),
-    /// One system id speaks from two addresses at once.
-    DuplicateSystem(u8),
+    /// One system id speaks from two addresses at once, or for two vehicles from one: in words.
+    DuplicateSystem(u8, &'static str),
     /// A link has failed: which, and why.
     Failed(String, String),
 }
@@ -140,7 +140,15 @@ fn serve(
         for received in received {
             let arrival = match received {
                 Received::Message(from, _, message) => Arrival::Message(number, from, message),
-                Received::DuplicateSystem(system, _) => Arrival::DuplicateSystem(system),
+                Received::DuplicateSystem(system, [one, two]) => {
+                    let what = match one == two {
+                        true => {
+                            "another vehicle speaks with its system id: what is known of it is of both"
+                        }
+                        false => "speaks from two addresses at once",
+                    };
+                    Arrival::DuplicateSystem(system, what)
+                }
             };
             if inbox.send(arrival).is_err() {
                 return Ok(());

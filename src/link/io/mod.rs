@@ -6,3 +6,4 @@ pub(super) mod radio;
 mod socket;
 mod tcp;
 pub(super) mod tlog;
+mod twins;

@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::SocketAddr;
 
+use super::twins::Twins;
 use crate::link::codec::{Decoder, Frame};
+use crate::link::message::flight::FlightMessage;
+use crate::link::message::{Address, Message};
 use crate::link::time::Time;
 
 /// Most addresses that are remembered: twice as many as there are system ids, so that one
@@ -19,6 +22,8 @@ const MOVED_MS: u64 = 1500;
 pub(crate) struct Peers {
     decoders: BTreeMap<SocketAddr, Peer>,
     routes: BTreeMap<u8, Route>,
+    /// The positions of each system, of the component that sent the first.
+    positions: BTreeMap<u8, (u8, Twins)>,
     receptions: u64,
 }
 
@@ -57,6 +62,16 @@ impl Peers {
         if let Some((&at, _)) = unproven.min_by_key(|(_, peer)| peer.used) {
             self.decoders.remove(&at);
         }
+    }
+
+    /// Whether positions with one system id come from two vehicles, by a message of it.
+    pub(crate) fn are_two(&mut self, from: Address, message: &Message) -> bool {
+        let Message::Flight(FlightMessage::Position(position)) = message else {
+            return false;
+        };
+        let first = (from.component, Twins::default());
+        let (component, twins) = self.positions.entry(from.system).or_insert(first);
+        *component == from.component && twins.take(position)
     }
 
     /// Where a system was heard.

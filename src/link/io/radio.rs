@@ -28,7 +28,7 @@ pub(crate) struct Radio<'a> {
 pub(crate) enum Received {
     /// A message, its sender, and its MAVLink version.
     Message(Address, Version, Message),
-    /// One system id speaks from two addresses at the same time.
+    /// One system id speaks from two addresses at the same time, or for two vehicles from one.
     DuplicateSystem(u8, [SocketAddr; 2]),
 }
 
@@ -84,11 +84,15 @@ impl<'a> Radio<'a> {
                 Some(both) => {
                     received.extend(both.map(|at| Received::DuplicateSystem(system, at)));
                 }
-                None => received.extend(
-                    frame
-                        .message
-                        .map(|message| Received::Message(frame.from, frame.version, message)),
-                ),
+                None => {
+                    let Some(message) = frame.message else {
+                        continue;
+                    };
+                    if self.peers.are_two(frame.from, &message) {
+                        received.push(Received::DuplicateSystem(system, [from; 2]));
+                    }
+                    received.push(Received::Message(frame.from, frame.version, message));
+                }
             }
         }
         Ok(received)

@@ -86,8 +86,8 @@ pub enum Failure {
         /// Their system ids.
         heard: Vec<u8>,
     },
-    /// One system id at two addresses at the same time.
-    #[error("system {sysid} speaks from {} and from {} at once: two vehicles with one system id, or one over two links", at[0], at[1])]
+    /// One system id at two addresses at the same time, or of two vehicles at one.
+    #[error("system {sysid} speaks {} at once: two vehicles with one system id{}", addresses(*at), if at[0] == at[1] { "" } else { ", or one over two links" })]
     DuplicateSystem {
         /// Their system id.
         sysid: u8,
@@ -237,6 +237,13 @@ pub enum Refusal {
         /// In its heartbeat.
         found: u8,
     },
+}
+
+fn addresses([one, two]: [SocketAddr; 2]) -> String {
+    match one == two {
+        true => format!("from {one} for two"),
+        false => format!("from {one} and from {two}"),
+    }
 }
 
 fn heard_text(heard: &[u8]) -> String {

@@ -105,12 +105,17 @@ static RULES: &[(&str, Check)] = &[
     ("precision landing", Check::Item(item::precision_landing)),
     ("jump target", Check::Mission(whole::jump_target)),
     (TAKEOFF_FIRST, Check::Mission(whole::takeoff_first)),
+    (
+        "takeoff first of all",
+        Check::Mission(whole::nothing_before_takeoff),
+    ),
     ("takeoff altitude", Check::Mission(whole::takeoff_altitude)),
     ("takeoff frame", Check::Item(wing::takeoff_frame)),
     ("kind of landing", Check::Item(item::kind_of_landing)),
     ("departure delay", Check::Item(wing::departure_delay)),
     ("whole numbers", Check::Item(wing::whole_numbers)),
     ("landing approach", Check::Mission(wing::landing_approach)),
+    ("start of the landing", Check::Mission(wing::land_start)),
     (param_fence::RULE, Check::Mission(param_fence::inside)),
 ];
 

@@ -69,6 +69,27 @@ pub(crate) fn takeoff_first(
     (!starts).then(|| (first + 1, finding()))
 }
 
+/// PX4 rejects a takeoff after an item that counts as one with a position.
+pub(crate) fn nothing_before_takeoff(
+    profile: &Profile,
+    mission: &VehicleMission,
+) -> Option<(usize, Finding)> {
+    let rules = &profile.facts.acceptance;
+    let may_precede = rules.before_takeoff?;
+    let first = mission
+        .items
+        .iter()
+        .position(|item| !may_precede.contains(&item.command))?;
+    let mut later = mission.items.iter().enumerate().skip(first + 1);
+    let (index, _) = later.find(|(_, item)| rules.takeoffs.contains(&item.command))?;
+    let found = mission.items[first].command;
+    let finding = (
+        format!("a takeoff after command {found}"),
+        "a takeoff before it".to_owned(),
+    );
+    Some((index + 1, finding))
+}
+
 pub(crate) fn takeoff_altitude(
     profile: &Profile,
     mission: &VehicleMission,

@@ -64,6 +64,39 @@ pub(crate) fn whole_numbers(profile: &Profile, item: &Item) -> Option<Finding> {
     }
 }
 
+/// PX4 rejects a second start of a landing, one after the last landing, and a return after it.
+pub(crate) fn land_start(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
+    if !profile.facts.acceptance.one_land_start {
+        return None;
+    }
+    let at = |is_it: fn(u16) -> bool| {
+        let items = mission.items.iter().enumerate();
+        items
+            .filter(move |(_, item)| is_it(item.command))
+            .map(|(index, _)| index)
+    };
+    let mut starts = at(|of| of == command::DO_LAND_START);
+    let start = starts.next()?;
+    let finding = |index: usize, found: &str, allowed: &str| {
+        Some((index + 1, (found.to_owned(), allowed.to_owned())))
+    };
+    if let Some(second) = starts.next() {
+        return finding(second, "a second DO_LAND_START", "one");
+    }
+    if let Some(index) = at(|of| of == command::NAV_RETURN_TO_LAUNCH).find(|of| *of > start) {
+        return finding(index, "a return after DO_LAND_START", "none");
+    }
+    let lands = |of: u16| [command::NAV_LAND, command::NAV_VTOL_LAND].contains(&of);
+    match at(lands).any(|index| index > start) {
+        true => None,
+        false => finding(
+            start,
+            "DO_LAND_START and no landing after it",
+            "a landing after it",
+        ),
+    }
+}
+
 /// PX4 rejects a fixed-wing landing unless the item before it is a waypoint (or a circle
 /// to an altitude) above it, no steeper than its parameter allows.
 pub(crate) fn landing_approach(

@@ -12,7 +12,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The smallest grid over a box with `nodes` along its longer side.
+    /// A grid over a box with `nodes` along its longer side; along the other it ends within half a cell of the rim.
     pub(crate) fn over(south_west: EastNorth, north_east: EastNorth, nodes: usize) -> Self {
         let width_m = north_east.east_m - south_west.east_m;
         let height_m = north_east.north_m - south_west.north_m;

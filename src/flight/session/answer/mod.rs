@@ -53,7 +53,7 @@ impl<'a> Fleet<'a> {
             return;
         };
         vehicle.progress.add_mission(plan.items, &plan.reference);
-        vehicle.next = Some((plan.items, plan.reference.clone()));
+        vehicle.total.next = Some((plan.items, plan.reference.clone()));
         if let Some(alarms) = &mut self.alarms {
             alarms.replan(index, plan);
         }
@@ -199,8 +199,14 @@ impl<'a> Fleet<'a> {
         if matches!(vehicle.stage, Stage::Armed) {
             return vehicle.disarm(None);
         }
-        if vehicle.stays_on_ground(instruction) {
-            let text = format!("on_alarm {}: stays on the ground", waiting.kind);
+        let grounded = match vehicle.stays_on_ground(instruction) {
+            true => Some("stays on the ground"),
+            false => vehicle
+                .stands()
+                .then_some("is on the ground, and stays there"),
+        };
+        if let Some(what) = grounded {
+            let text = format!("on_alarm {}: {what}", waiting.kind);
             let id = vehicle.of.vehicle.to_owned();
             return self.say(now, Some(id), text);
         }
@@ -210,7 +216,7 @@ impl<'a> Fleet<'a> {
             return self.waiting.push(Waiting { again, ..waiting });
         }
         let is_obeying =
-            vehicle.instruction.is_some_and(|of| of >= instruction) || vehicle.lands_as_planned;
+            vehicle.instruction.is_some_and(|of| of >= instruction) || vehicle.lands_as_planned();
         if is_obeying || !matches!(vehicle.stage, Stage::Flying | Stage::Starting) {
             return;
         }

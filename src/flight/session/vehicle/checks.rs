@@ -120,6 +120,14 @@ impl FlightVehicle<'_> {
                         "it stands {away_m:.0} m from its home (allowed: {STANDS_M:.0} m)"
                     ));
                 }
+                let above_m = fix.amsl.0 - f64::from(self.of.mission.home.amsl_m);
+                if above_m.abs() > STANDS_M {
+                    let side = if above_m > 0.0 { "above" } else { "below" };
+                    let off_m = above_m.abs();
+                    soft.push(format!(
+                        "it is {off_m:.0} m {side} its home by its position (allowed: {STANDS_M:.0} m)"
+                    ));
+                }
             }
         }
         if self.vehicle.is_some_and(|(_, beat)| beat.is_armed()) {

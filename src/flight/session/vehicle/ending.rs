@@ -15,14 +15,18 @@ const SILENT_MS: u64 = 2500;
 const HIGH_M: f64 = 10.0;
 /// A vehicle that has come to rest on the ground stops its motors within this time, seconds; slower than this
 /// it rests, m/s, and moves up and down by less, metres.
-const RUNS_ON_S: f64 = 20.0;
+const RUNS_ON_S: f64 = 30.0;
+/// Nobody flies so low above the ground but where it puts a load down, metres; for so long, seconds, it stands.
+const GROUND_M: f64 = 2.0;
+const STANDS_S: f64 = 2.0;
 const RESTS_MPS: f64 = 0.5;
 const RESTS_M: f64 = 1.0;
 
 /// Heartbeats in a row: one alone may be of another component, or wrong.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Motors {
-    /// Height of its last position above the ground, metres, where the ground is known.
+    /// Height of its last position above the ground, metres, where the ground is known; above its home where its place is
+    /// not known any more.
     pub(crate) agl_m: Option<f64>,
     /// Whether it was reported that it may be armed at the end.
     pub(crate) is_warned: bool,
@@ -38,6 +42,9 @@ pub(crate) struct Motors {
     stood_agl_m: Option<f64>,
     /// Since when it has rested on the ground, seconds after T0, and its altitude there, metres.
     rests: Option<(f64, f64)>,
+    /// Whether it was high above the ground, and since when it has been as low as that again, seconds after T0.
+    was_high: bool,
+    low_s: Option<f64>,
     /// Whether its motors ran on after that.
     run_on: bool,
     /// Positions since the first heartbeat that shows them to stand: of the flight if it goes on.
@@ -172,6 +179,11 @@ impl FlightVehicle<'_> {
         (home_m, rally_m.fold(f64::INFINITY, f64::min))
     }
 
+    /// Whether it was ordered to land, and does so at the end of its mission.
+    pub(crate) fn lands_as_planned(&self) -> bool {
+        self.hold.lands_as_planned
+    }
+
     /// Whether an order to land has it circle where it is: a plane without a landing in its mission.
     pub(crate) fn lands_by_circling(&self) -> bool {
         modes::land(self.of.mission).is_none() && !self.of.reference.lands
@@ -185,7 +197,7 @@ impl FlightVehicle<'_> {
             // Its last heartbeat may be older than the order to hold that this one comes after.
             let is_on_mission = self.in_mission && self.instruction.is_none();
             (self.instruction, self.holds) = (None, false);
-            self.lands_as_planned = true;
+            self.hold.lands_as_planned = true;
             match is_on_mission {
                 true => self.command([]),
                 false => self.command([modes::start(self.of.mission)]),
@@ -262,6 +274,18 @@ impl FlightVehicle<'_> {
             .rests
             .filter(|(_, at_m)| (amsl_m - at_m).abs() <= RESTS_M);
         self.motors.rests = may_be_down.then(|| rests.unwrap_or((fix.t_s, amsl_m)));
+        let puts_down = {
+            let reference = &self.of.reference;
+            reference.dips_at(fix.item, reference.frame().to_plan(fix.place))
+        };
+        self.motors.was_high |= self.motors.agl_m.is_some_and(|agl_m| agl_m > HIGH_M);
+        let is_low = self.motors.agl_m.is_some_and(|agl_m| agl_m <= GROUND_M);
+        let is_grounded = is_low && self.motors.was_high && !puts_down;
+        self.motors.low_s = is_grounded.then(|| self.motors.low_s.unwrap_or(fix.t_s));
+        if self.motors.rests.is_none() && self.motors.low_s.is_some() {
+            // Its motors may twitch, its positions drift.
+            self.motors.rests = self.motors.low_s.map(|since_s| (since_s, amsl_m));
+        }
         let since_s = self.motors.rests.map(|(since_s, _)| fix.t_s - since_s);
         let run_on = since_s.is_some_and(|since_s| since_s >= RUNS_ON_S);
         if run_on && !self.motors.run_on {
@@ -269,6 +293,13 @@ impl FlightVehicle<'_> {
             self.said.push_back(text.to_owned());
         }
         self.motors.run_on = run_on;
+    }
+
+    /// Whether it has come down and stands, or lies, on the ground.
+    pub(crate) fn stands(&self) -> bool {
+        let last_s = self.latest.map_or(0.0, |(_, fix)| fix.t_s);
+        let low_s = self.motors.low_s.filter(|_| self.airborne);
+        low_s.is_some_and(|since_s| last_s - since_s >= STANDS_S)
     }
 
     /// Whether it is where it has come to rest while its motors run.

@@ -1,6 +1,7 @@
 //! Whether a vehicle holds or lands as ordered: by its mode and by its positions. A copter must be
 //! in the mode with its mean position at rest (`arrival.rs`), a wing must fly one full circle in
-//! the mode (`orbit.rs`).
+//! the mode (`orbit.rs`). Whether an alarm may order one is judged before (`alarms/clear.rs`), and from the
+//! record after the flight (`conformance/`).
 
 use super::obeying::Headway;
 use super::{FlightVehicle, Instruction, Stay};
@@ -8,6 +9,7 @@ use crate::flight::record::Fix;
 use crate::flight::session::arrival::{self, Mean, REST_S};
 use crate::flight::session::modes;
 use crate::flight::session::orbit::Orbit;
+use crate::geodesy::LatLon;
 use crate::link::{Command, Time};
 
 /// A hold or a landing is ordered again after this time, until the mode shows it, milliseconds.
@@ -17,6 +19,8 @@ const PLACED_MS: u64 = 3000;
 /// One that is not seen for this long is reported, seconds; a hold of a wing that circles already,
 /// later, because a large circle takes time.
 const CONFIRM_S: f64 = 20.0;
+/// And again after this time, seconds.
+const REPORTED_AGAIN_S: f64 = 30.0;
 const CIRCLE_S: f64 = 120.0;
 /// A copter that is farther than this from where it held has left it, metres.
 const LEFT_M: f64 = 10.0;
@@ -30,13 +34,16 @@ const DRIFTED_M: f64 = 4.0;
 /// What is known of an ordered hold, or of a landing: then the mode alone counts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HoldWatch {
-    /// When it was first looked for, seconds after T0.
+    /// When it was first looked for, seconds after T0, and where the vehicle was then.
     ordered_s: Option<f64>,
+    ordered_at: Option<LatLon>,
     again: Option<Time>,
     /// Time of the first position in the mode of the hold, seconds after T0.
     in_mode_s: Option<f64>,
     was_in_mode: bool,
     is_reported: bool,
+    /// When a hold was last reported missing, seconds after T0.
+    reported_s: Option<f64>,
     /// Whether it has left a landing or a return for another mode, and what is to say of that.
     has_left: bool,
     left_order: Option<String>,
@@ -44,6 +51,8 @@ pub(super) struct HoldWatch {
     anchor: Option<Mean>,
     /// Since when it has been near the anchor again, after it had left it, seconds after T0.
     left_s: Option<f64>,
+    /// Whether it was ordered to land, and does so at the end of its mission.
+    pub(super) lands_as_planned: bool,
     /// Whether it did so when its flight was taken over: who ordered it is not known.
     pub(super) is_of_others: bool,
     /// How far a landing or a return has got.
@@ -101,7 +110,7 @@ impl FlightVehicle<'_> {
             return self.said.push_back("holds".to_owned());
         }
         self.order_again(in_mode, modes::hold(self.of.mission));
-        self.report_missing_hold(t_s, in_mode);
+        self.report_missing_hold(t_s, fix, in_mode);
     }
 
     /// How far from where it held first it has left it, metres: a wing is on its circle anywhere.
@@ -153,15 +162,20 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// Once, and not of a vehicle that may still do it.
-    fn report_missing_hold(&mut self, t_s: f64, in_mode: bool) {
+    /// Again and again, and not of a vehicle that may still do it.
+    fn report_missing_hold(&mut self, t_s: f64, fix: Fix, in_mode: bool) {
+        let from = *self.hold.ordered_at.get_or_insert(fix.place);
         let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
         let circles = in_mode && self.of.mission.airframe.has_wing();
         let limit_s = if circles { CIRCLE_S } else { CONFIRM_S };
-        if self.hold.is_reported || since_s < limit_s {
+        let is_due = self
+            .hold
+            .reported_s
+            .is_none_or(|at_s| t_s - at_s >= REPORTED_AGAIN_S);
+        if since_s < limit_s || !is_due {
             return;
         }
-        self.hold.is_reported = true;
+        (self.hold.is_reported, self.hold.reported_s) = (true, Some(t_s));
         let why = if in_mode {
             "it is in the mode, and does not stay where it is"
         } else if self.hold.was_in_mode {
@@ -169,7 +183,10 @@ impl FlightVehicle<'_> {
         } else {
             "its mode is another one; it is ordered again"
         };
-        self.said.push_back(format!("hold not confirmed: {why}"));
+        let away_m = from.chord_m(fix.place);
+        self.said.push_back(format!(
+            "hold not confirmed: {why} ({away_m:.0} m from where it was ordered to)"
+        ));
     }
 
     /// Whether its mode shows that it lands, or returns, as ordered: until then the order is repeated.
@@ -260,7 +277,6 @@ impl FlightVehicle<'_> {
     /// An order to hold, or to land, begins.
     pub(super) fn begin_instruction(&mut self, instruction: Instruction) {
         (self.instruction, self.holds) = (Some(instruction), false);
-        self.lands_as_planned = false;
         self.hold = HoldWatch::default();
         self.stay = Stay::default();
     }

@@ -37,7 +37,7 @@ impl FlightVehicle<'_> {
         {
             self.vehicle = Some((from, *beat));
         }
-        if self.vehicle.is_none_or(|(autopilot, _)| autopilot != from) {
+        if !self.is_of_autopilot(from, message) {
             if let Message::StatusText { severity, text } = message
                 && t0_ms.is_some()
             {
@@ -82,7 +82,7 @@ impl FlightVehicle<'_> {
                 self.total.now = is_known.then_some(usize::from(*total));
                 self.heed_total(t0_ms.is_some());
                 let now = self.total.now;
-                let taken = self.next.take_if(|(items, _)| Some(*items) == now);
+                let taken = self.total.next.take_if(|(items, _)| Some(*items) == now);
                 if let Some((_, reference)) = taken {
                     self.of.reference = reference;
                 }
@@ -180,6 +180,10 @@ impl FlightVehicle<'_> {
 
     fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
         if !position.is_known() {
+            if (position.x, position.y) == (0, 0) && self.airborne {
+                // It has lost its place, and still says how high it is.
+                self.motors.agl_m = Some(position.above_home_m());
+            }
             return self.note_invalid(position);
         }
         if t0_ms.is_none() {

@@ -43,10 +43,10 @@ impl FlightVehicle<'_> {
 
     /// Orders it to hold or to land, if it flies, or once it is known that it does.
     pub(in crate::flight) fn instruct(&mut self, instruction: Instruction) {
-        match self.stage {
+        match &mut self.stage {
             Stage::Flying | Stage::Starting => {}
-            Stage::Rejoining { .. } => {
-                self.ordered_early = Some(instruction);
+            Stage::Rejoining { ordered, .. } => {
+                *ordered = Some(instruction);
                 return;
             }
             _ => return,

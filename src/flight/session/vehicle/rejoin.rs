@@ -22,24 +22,29 @@ impl FlightVehicle<'_> {
         self.total.ready = last.map(|fix| fix.items).filter(|items| *items > 0);
         let known = flown.fixes.len();
         self.flown = flown;
-        self.stage = Stage::Rejoining { known };
+        let ordered = None;
+        self.stage = Stage::Rejoining { known, ordered };
     }
 
     /// Decides where it is on its flight, once it was heard.
     pub(in crate::flight::session) fn check_rejoin(&mut self) {
-        let Stage::Rejoining { known } = self.stage else {
+        let Stage::Rejoining { known, ordered } = self.stage else {
             return;
         };
         let Some((_, beat)) = self.vehicle.filter(|_| self.flown.fixes.len() > known) else {
             return;
         };
         match (beat.is_armed(), self.airborne) {
-            (true, true) => self.rejoin_in_the_air(beat.custom_mode),
-            (true, false) if self.in_mission => self.rejoin_in_the_air(beat.custom_mode),
-            (true, false) => {
+            (true, is_up) if is_up || self.in_mission => {
+                self.rejoin_in_the_air(beat.custom_mode);
+                if let Some(instruction) = ordered {
+                    self.instruct(instruction);
+                }
+            }
+            (true, _) => {
                 self.said.push_back("is armed on the ground".to_owned());
                 self.stage = Stage::Armed;
-                if self.ordered_early.take().is_some() {
+                if ordered.is_some() {
                     self.disarm(None);
                 }
             }
@@ -89,8 +94,5 @@ impl FlightVehicle<'_> {
             format!("is off its mission, in {mode}")
         };
         self.said.push_back(format!("is watched again: it {text}"));
-        if let Some(instruction) = self.ordered_early.take() {
-            self.instruct(instruction);
-        }
     }
 }
