@@ -250,8 +250,9 @@ fn a_jump_goes_to_an_item_as_the_autopilot_counts_them() {
 fn the_first_place_is_a_takeoff_but_a_delay_may_come_before() {
     let waypoint_first = |mission: &mut VehicleMission| mission.items.swap(0, 1);
     assert_eq!(one(ArduPilot, waypoint_first), (1, "takeoff first"));
-    // PX4 climbs to it by itself.
-    fine(Px4, waypoint_first);
+    // PX4 climbs to it by itself, and rejects a takeoff after it (`FeasibilityChecker::checkTakeoff`).
+    fine(Px4, |mission| drop(mission.items.remove(0)));
+    assert_eq!(one(Px4, waypoint_first), (2, "takeoff first of all"));
     for autopilot in [ArduPilot, Px4] {
         fine(autopilot, |mission| {
             mission.items.insert(
@@ -273,10 +274,8 @@ fn px4_takes_a_takeoff_before_anything_that_counts_as_a_place() {
         assert!(of.iter().any(is_it), "{before}: {of:?}");
     }
     fine(Px4, |mission| {
-        mission.items.insert(0, at(command::NAV_DELAY, 2, 0.0));
-    });
-    fine(ArduPilot, |mission| {
-        mission.items.insert(0, at(211, 2, 0.0));
+        let wait = Item::without_place(command::NAV_DELAY, [5.0, -1.0, -1.0, -1.0]);
+        mission.items.insert(0, wait);
     });
 }
 
