@@ -332,3 +332,35 @@ fn a_plane_of_px4_that_was_started_a_moment_ago_is_waited_for() {
     // Its home is at 400 m, and it climbs at 5 m/s at most.
     assert!(sky.now > Time(90_000), "{:?}", sky.now);
 }
+
+#[test]
+fn the_page_says_how_a_flight_ended_in_the_words_of_the_table() {
+    for (order, words) in [
+        (Intervention::Land, "landed early"),
+        (Intervention::Leave, "left flying"),
+    ] {
+        let plan = two();
+        let mut sky = sky(&plan);
+        sky.fly_to(60.0);
+        sky.fleet.intervene(sky.now, order);
+        assert_eq!(sky.fly_out(), Outcome::Flown);
+        let (record, judged) = (plan.record(&sky), plan.judge(&sky));
+        assert_eq!(judged.vehicles[0].end, words);
+        let missions = plan.dispatched.missions.iter();
+        let missions: Vec<_> = missions.map(|(index, of)| (*index, of)).collect();
+        let page = flight_page(&plan.spec, &plan.world, &record, &judged, &missions);
+        let cards = page.split("class=\"card bad\"").skip(1);
+        let end = cards.filter(|card| card.contains("end of the flight"));
+        let end: Vec<&str> = end
+            .filter_map(|card| card.split("</button>").next())
+            .collect();
+        assert!(!end.is_empty(), "{words}");
+        for card in end {
+            let value = format!("<span class=\"value words\">{words}</span>");
+            assert!(
+                card.contains(&value) && !card.contains("not known"),
+                "{card}"
+            );
+        }
+    }
+}
