@@ -6,7 +6,7 @@
 //! when its cause has been gone for some seconds.
 
 mod breach;
-mod clear;
+pub(super) mod clear;
 mod future;
 mod health;
 mod motion;
