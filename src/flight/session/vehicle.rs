@@ -10,7 +10,7 @@ mod orders;
 mod rejoin;
 mod texts;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use super::clock::Offset;
 use super::command::pending::{Answer, PendingCommand};
@@ -178,8 +178,8 @@ pub(crate) struct FlightVehicle<'a> {
     position_at: Option<Time>,
     /// When it last said which item is its current one.
     item_at: Option<Time>,
-    /// When it last reported its own health.
-    health_at: Option<Time>,
+    /// When each report of its own health last came, by the id of the message.
+    health_at: BTreeMap<u32, Time>,
     /// Positions that are none on earth.
     invalid_positions: usize,
     texts: TextLimit,
@@ -266,7 +266,7 @@ impl<'a> FlightVehicle<'a> {
             item: 0,
             position_at: None,
             item_at: None,
-            health_at: None,
+            health_at: BTreeMap::new(),
             invalid_positions: 0,
             texts: TextLimit::default(),
             total: Totals::default(),

@@ -146,7 +146,11 @@ impl<'a> Fleet<'a> {
             self.answer(now, alarm);
         } else {
             let (kind, of) = (alarm.kind, alarm.vehicle);
-            self.waiting.retain(|w| (w.kind, w.of) != (kind, of));
+            // Another cause of it may stand.
+            let alarms = self.alarms.as_ref();
+            let stands = alarms.is_some_and(|alarms| alarms.standing_of(of).contains(&kind));
+            let is_over = |w: &Waiting| (w.kind, w.of) == (kind, of) && !stands;
+            self.waiting.retain(|w| !is_over(w));
         }
     }
 
