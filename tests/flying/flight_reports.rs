@@ -1,4 +1,4 @@
-//! Reports of vehicles that stop, or say that a mission goes on too early or elsewhere.
+//! Reports and texts of vehicles that stop, come in pieces, or say that a mission goes on elsewhere.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -186,6 +186,49 @@ fn items_that_are_flown_unheard_or_after_others_are_not_said_to_be_skipped() {
     for id in ["alpha", "bravo"] {
         assert_eq!(count(&sky, id, "skips"), 0, "{:?}", sky.events);
     }
+}
+
+/// Vehicle 1 says a text in pieces, in an order; some may be missing. One that is no piece has no id.
+fn say(sky: &mut Sky<'_>, (severity, id): (u8, u16), pieces: &[(u8, &str)]) {
+    let from = sky.vehicles[0].address();
+    for (seq, text) in pieces {
+        let mut bytes = [0; TEXT_BYTES];
+        bytes[..text.len()].copy_from_slice(text.as_bytes());
+        let (seq, id) = (*seq, id);
+        let chunk = TextChunk {
+            severity,
+            bytes,
+            id,
+            seq,
+        };
+        sky.fleet
+            .handle(sky.now, (0, from), &Message::TextChunk(chunk));
+    }
+}
+
+#[test]
+fn a_text_in_pieces_is_one_line_and_what_was_lost_of_it_is_marked() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(30.0);
+    let (a, b) = ("a".repeat(TEXT_BYTES), "b".repeat(TEXT_BYTES));
+    say(&mut sky, (2, 1), &[(1, &b), (0, &a), (2, "end")]);
+    sky.step();
+    let whole = format!("ALARM text: says: {a}{b}end");
+    assert_eq!(count(&sky, "alpha", &whole), 1, "{:?}", sky.events);
+    // Five critical texts in 10 s are alarms, however many pieces one has.
+    say(&mut sky, (2, 2), &[(0, &a), (2, "landed, motors stopped")]);
+    sky.fly_to(30.5);
+    assert_eq!(count(&sky, "alpha", "landed"), 0, "{:?}", sky.events);
+    sky.fly_to(32.0);
+    let marked = format!("ALARM text: says: {a}[...]landed, motors stopped");
+    assert_eq!(count(&sky, "alpha", &marked), 1, "{:?}", sky.events);
+    say(&mut sky, (2, 2), &[(1, &b)]);
+    say(&mut sky, (2, 3), &[(0, "  ")]);
+    sky.fly_to(36.0);
+    let empty = "ALARM text: says: (an empty text)";
+    assert_eq!(count(&sky, "alpha", empty), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "alpha", "says"), 3, "{:?}", sky.events);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::reports::{Age, Reported, take};
+use crate::flight::event::says;
 use crate::link::{FlightMessage, Health, Message, SystemStatus};
 use crate::spec::Vehicle;
 
@@ -97,7 +98,7 @@ impl HealthState {
                 }
                 if self.texts_s.len() < MAX_TEXTS {
                     self.texts_s.push_back(t_s);
-                    self.texts.push_back(format!("says: {text}"));
+                    self.texts.push_back(says(text));
                 }
             }
             Message::Flight(FlightMessage::Health(health)) => self.report(health),

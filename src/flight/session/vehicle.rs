@@ -31,7 +31,7 @@ pub(super) use arming::ARMING_MS;
 use arming::{Arming, Disarming, SeenDisarmed};
 use ending::Motors;
 use hold::HoldWatch;
-use texts::TextLimit;
+use texts::Texts;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -182,7 +182,7 @@ pub(crate) struct FlightVehicle<'a> {
     health_at: BTreeMap<u32, Time>,
     /// Positions that are none on earth.
     invalid_positions: usize,
-    texts: TextLimit,
+    pub(crate) texts: Texts,
     /// Items on board without home, as the vehicle says.
     pub(crate) total: Totals,
     airborne: bool,
@@ -268,7 +268,7 @@ impl<'a> FlightVehicle<'a> {
             item_at: None,
             health_at: BTreeMap::new(),
             invalid_positions: 0,
-            texts: TextLimit::default(),
+            texts: Texts::default(),
             total: Totals::default(),
             airborne: false,
             motors: Motors::default(),

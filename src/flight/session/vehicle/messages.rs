@@ -2,6 +2,7 @@
 
 use super::{AIRBORNE_M, FlightVehicle, Stage};
 use crate::autopilot::Version;
+use crate::flight::event::says;
 use crate::flight::record::Fix;
 use crate::flight::session::command::pending::is_for;
 use crate::flight::session::modes;
@@ -33,6 +34,9 @@ impl FlightVehicle<'_> {
             return;
         }
         self.now = now;
+        if let Message::TextChunk(chunk) = message {
+            self.texts.chunks.take(now, from, chunk);
+        }
         if let Message::Heartbeat(beat) = message
             && self.is_autopilot(from, *beat)
         {
@@ -44,7 +48,7 @@ impl FlightVehicle<'_> {
             {
                 self.take_text(
                     *severity,
-                    &format!("component {} says: {text}", from.component),
+                    &format!("component {} {}", from.component, says(text)),
                 );
             }
             return;
@@ -87,7 +91,7 @@ impl FlightVehicle<'_> {
                 self.warn(text);
             }
             Message::StatusText { severity, text } if t0_ms.is_some() => {
-                self.take_text(*severity, &format!("says: {text}"));
+                self.take_text(*severity, &says(text));
             }
             Message::Flight(FlightMessage::Health(health)) => {
                 self.health_at.insert(health.id(), now);
