@@ -7,7 +7,7 @@ use super::links;
 use super::print::console::{Paint, note, out, out_lines};
 use super::print::failure::Failure;
 use super::print::table::{self, Rows};
-use crate::flight::replan::{self, Decision, Outcomes, Replanner};
+use crate::flight::replan::{self, Decision, Outcomes, Replanner, VehicleState};
 use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, count_words, unix_ms};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
@@ -187,11 +187,7 @@ fn print(spec: &MissionSpec, decision: &Decision, outcomes: &Outcomes) -> Result
             unavoidable.find(|of| of.vehicle == index),
         ) {
             (_, Some(of)) => (of.cannot(), "KEEPS ITS COURSE".to_owned()),
-            (None, None) if !state.in_mission && !state.stands => (
-                "holds, or somebody flies it".to_owned(),
-                "not touched".to_owned(),
-            ),
-            (None, None) => ("is not concerned".to_owned(), "not touched".to_owned()),
+            (None, None) => unconcerned(state, decision),
             (Some(Ok(())), None) => ("meets a threat".to_owned(), "on its new path".to_owned()),
             (Some(Err(why)), None) => ("meets a threat".to_owned(), why.clone()),
         };
@@ -208,6 +204,19 @@ fn print(spec: &MissionSpec, decision: &Decision, outcomes: &Outcomes) -> Result
         "planned and verified in {:.2} s",
         decision.planned_s
     ))
+}
+
+/// What is said of a vehicle whose way keeps clear of every threat.
+fn unconcerned(state: &VehicleState, decision: &Decision) -> (String, String) {
+    let not_touched = "not touched".to_owned();
+    match state.doing.word().filter(|_| !state.stands) {
+        None => ("is not concerned".to_owned(), not_touched),
+        Some(word) if decision.not_to_resume.contains(&state.vehicle) => (
+            format!("{word}: is not concerned"),
+            "not touched: its mission meets a threat, do not resume it".to_owned(),
+        ),
+        Some(word) => (format!("{word}: is not concerned"), not_touched),
+    }
 }
 
 /// A vehicle that cannot avoid a threat is named whatever else went well.

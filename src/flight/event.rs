@@ -15,6 +15,14 @@ pub struct Event {
     pub alarm: Option<AlarmMark>,
 }
 
+/// What an operator reads of a text of a vehicle.
+pub(super) fn says(text: &str) -> String {
+    match text.trim().is_empty() {
+        true => "says: (an empty text)".to_owned(),
+        false => format!("says: {text}"),
+    }
+}
+
 /// The alarm that an event is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmMark {

@@ -32,7 +32,10 @@ pub fn flight_page(
     let ended = judged.vehicles.iter().filter(|v| !v.ended_as_planned);
     let ended = ended.map(|v| {
         let limit = Limit::Flown(Flown::End);
-        Margin::unjudged(&v.vehicle, limit, v.end.clone())
+        Margin {
+            unit: report::IN_WORDS,
+            ..Margin::unjudged(&v.vehicle, limit, v.end.clone())
+        }
     });
     let review = Review {
         margins: judged.margins.iter().cloned().chain(ended).collect(),

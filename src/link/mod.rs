@@ -15,6 +15,7 @@ mod io;
 mod message;
 mod rtt;
 mod stored_form;
+mod texts;
 mod time;
 mod transfer;
 
@@ -37,7 +38,8 @@ pub use message::health::{Health, SystemStatus};
 pub use message::{
     AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, List, MISSION_TYPE_ALL,
     MODE_ARMED, Message, MissionMessage, MissionResult, Route, STATE_ACTIVE, STATE_STANDBY,
-    TYPE_GCS,
+    TEXT_BYTES, TYPE_GCS, TextChunk,
 };
 pub use stored_form::stored_form;
+pub use texts::TextChunks;
 pub use time::Time;

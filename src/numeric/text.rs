@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 /// Whether a character moves the cursor, changes the direction of reading or cannot be
@@ -42,6 +42,45 @@ pub fn escaped_except(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> 
         }
     }
     Cow::Owned(safe)
+}
+
+/// JSON with its hidden characters but line feeds as JSON escapes them: they are all inside of strings, whose
+/// values stay the same.
+#[must_use]
+pub fn escaped_json(json: &str) -> Cow<'_, str> {
+    let is_unsafe = |sign: char| sign != '\n' && is_hidden(sign);
+    if !json.contains(is_unsafe) {
+        return Cow::Borrowed(json);
+    }
+    let mut safe = String::with_capacity(json.len() + 16);
+    for sign in json.chars() {
+        if !is_unsafe(sign) {
+            safe.push(sign);
+            continue;
+        }
+        for unit in sign.encode_utf16(&mut [0; 2]) {
+            safe += &format!("\\u{unit:04x}");
+        }
+    }
+    Cow::Owned(safe)
+}
+
+/// Writes JSON as [`escaped_json`] has it; each piece ends where a character ends.
+#[derive(Debug)]
+pub struct JsonWriter<W>(pub W);
+
+impl<W: Write> Write for JsonWriter<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match std::str::from_utf8(bytes) {
+            Ok(json) => self.0.write_all(escaped_json(json).as_bytes())?,
+            Err(_) => self.0.write_all(bytes)?,
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// Opens a regular file to read it. A pipe would be waited for as long as nobody writes to it.
@@ -118,7 +157,7 @@ pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + C
 
 #[cfg(test)]
 mod tests {
-    use super::{escaped, escaped_except, shell_word};
+    use super::{JsonWriter, escaped, escaped_except, escaped_json, shell_word};
 
     #[test]
     fn characters_that_command_a_terminal_or_hide_are_written_out() {
@@ -129,6 +168,26 @@ mod tests {
         assert_eq!(escaped("a\u{7f}\u{9b}2J"), "a\\u{7f}\\u{9b}2J");
         assert_eq!(escaped("\u{202e}nalp\u{2069}"), "\\u{202e}nalp\\u{2069}");
         assert_eq!(escaped("al\u{200b}pha\u{feff}"), "al\\u{200b}pha\\u{feff}");
+    }
+
+    #[test]
+    fn hidden_characters_of_json_are_escaped_and_its_values_stay() {
+        let text = "\u{202e}landed\u{2066} \u{9b}2J\u{e0001} Übung 東京";
+        let plain = serde_json::to_string_pretty(&[text, "a\nb"]).expect("JSON");
+        let safe = escaped_json(&plain);
+        assert!(
+            !safe.contains(|sign| sign != '\n' && super::is_hidden(sign)),
+            "{safe}"
+        );
+        assert!(
+            safe.contains("\\u202elanded\\u2066") && safe.contains("\\udb40\\udc01"),
+            "{safe}"
+        );
+        let read: Vec<String> = serde_json::from_str(&safe).expect("JSON");
+        assert_eq!(read, [text, "a\nb"]);
+        let mut written = JsonWriter(Vec::new());
+        serde_json::to_writer_pretty(&mut written, &[text, "a\nb"]).expect("JSON");
+        assert_eq!(written.0, safe.as_bytes());
     }
 
     #[test]

@@ -9,6 +9,8 @@ mod review;
 
 use serde::Serialize;
 
+use crate::numeric::text::escaped_json;
+
 pub(super) use plan::whole_path;
 pub use plan::{
     ControlPoint, Cost, FleetCost, LeftOut, PathPoint, PlanDocument, PlannedVehicle,
@@ -48,7 +50,7 @@ pub fn json_text<D: Serialize>(document: &D) -> String {
     let mut text =
         serde_json::to_string_pretty(document).expect("documents have string keys and no maps");
     text.push('\n');
-    text
+    escaped_json(&text).into_owned()
 }
 
 /// The verdict as the documents spell it.

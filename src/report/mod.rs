@@ -24,7 +24,7 @@ pub use scene::{FlownError, FlownFacts, ServedFacts};
 pub use trajectories::{
     TrajectoriesDocument, TrajectorySegment, VehicleTrajectory, trajectories_json,
 };
-pub use words::worst_first;
+pub use words::{END_AS_PLANNED, IN_WORDS, worst_first};
 
 use crate::mission::VehicleMission;
 use crate::plan::FleetPlan;

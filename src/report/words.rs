@@ -6,6 +6,13 @@ use crate::geodesy::LatLon;
 use crate::spec::{Stop, Vehicle};
 use crate::verify::{Margin, Review, Sense, Topic};
 
+/// The unit of a margin whose value is its note: how a flight ended.
+pub const IN_WORDS: &str = "in words";
+
+/// How a flight may end.
+pub const END_AS_PLANNED: &str =
+    "a flight as planned ends with the landing, or in the air where the plan ends";
+
 /// The margins of a review, worst first, with how near each is to its limit.
 pub(super) struct Ranked<'a> {
     pub(super) margin: &'a Margin,
@@ -141,12 +148,22 @@ pub(super) fn who(margin: &Margin) -> String {
 
 /// The worst value with its unit.
 pub(super) fn value(margin: &Margin) -> String {
-    if margin.value.is_finite() {
+    if margin.unit == IN_WORDS {
+        margin.note.clone()
+    } else if margin.value.is_finite() {
         with_unit(&number_against(margin.value, margin.bound), margin.unit)
     } else if margin.ok {
         "–".to_owned()
     } else {
         "not known".to_owned()
+    }
+}
+
+/// The remark of a margin, or what is allowed where the value is in words.
+pub(super) fn note(margin: &Margin) -> &str {
+    match margin.unit {
+        IN_WORDS => END_AS_PLANNED,
+        _ => &margin.note,
     }
 }
 

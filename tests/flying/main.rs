@@ -12,6 +12,7 @@ mod flight_hold;
 mod flight_hostile;
 mod flight_pace;
 mod flight_record;
+mod flight_reports;
 mod flight_trouble;
 mod flight_truth;
 mod flight_vehicle;

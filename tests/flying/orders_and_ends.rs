@@ -332,3 +332,81 @@ fn a_plane_of_px4_that_was_started_a_moment_ago_is_waited_for() {
     // Its home is at 400 m, and it climbs at 5 m/s at most.
     assert!(sky.now > Time(90_000), "{:?}", sky.now);
 }
+
+#[test]
+fn the_page_says_how_a_flight_ended_in_the_words_of_the_table() {
+    for (order, words) in [
+        (Intervention::Land, "landed early"),
+        (Intervention::Leave, "left flying"),
+    ] {
+        let plan = two();
+        let mut sky = sky(&plan);
+        sky.fly_to(60.0);
+        sky.fleet.intervene(sky.now, order);
+        assert_eq!(sky.fly_out(), Outcome::Flown);
+        let (record, judged) = (plan.record(&sky), plan.judge(&sky));
+        assert_eq!(judged.vehicles[0].end, words);
+        let missions = plan.dispatched.missions.iter();
+        let missions: Vec<_> = missions.map(|(index, of)| (*index, of)).collect();
+        let page = flight_page(&plan.spec, &plan.world, &record, &judged, &missions);
+        let cards = page.split("class=\"card bad\"").skip(1);
+        let end = cards.filter(|card| card.contains("end of the flight"));
+        let end: Vec<&str> = end
+            .filter_map(|card| card.split("</button>").next())
+            .collect();
+        assert!(!end.is_empty(), "{words}");
+        for card in end {
+            let value = format!("<span class=\"value words\">{words}</span>");
+            assert!(
+                card.contains(&value) && !card.contains("not known"),
+                "{card}"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_is_assumed_of_a_time_without_positions_and_that_time_fails() {
+    let mut plan = two();
+    let mast = place(36.3010, -84.2545);
+    plan.spec.threats = vec![threat("mast", mast, 60.0)];
+    let plan = plan_spec(plan.spec);
+    let mut sky = sky(&plan);
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    let whole = plan.record(&sky);
+    let margin = |record: &Record, limit: Limit| {
+        let margins = judge(&plan.spec, &plan.world, record).margins;
+        let of = |of: &&sortie::verify::Margin| of.vehicle == "alpha" && of.limit == limit;
+        margins.iter().find(of).cloned().expect("judged")
+    };
+    let threat = Limit::Threat("mast".to_owned());
+    let gap = Limit::Flown(sortie::verify::Flown::Gap);
+    assert!(margin(&whole, threat.clone()).ok && margin(&whole, gap.clone()).ok);
+    // The way around it was not recorded.
+    let mut record = whole.clone();
+    let fixes = &mut record.flights[0].flown.fixes;
+    fixes.retain(|fix| fix.place.chord_m(mast) > 250.0);
+    let found = margin(&record, threat);
+    assert!(found.ok && found.value > 180.0, "{found:?}");
+    assert!(!margin(&record, gap.clone()).ok);
+    // Bravo, where alpha would be on a straight way between two positions.
+    let mut record = whole.clone();
+    let fixes = &mut record.flights[0].flown.fixes;
+    fixes.retain(|fix| !(40.0..60.0).contains(&fix.t_s));
+    let after = fixes
+        .iter()
+        .position(|fix| fix.t_s >= 60.0)
+        .expect("it flies");
+    let (from, to) = (fixes[after - 1], fixes[after]);
+    let middle_s = 0.5 * (from.t_s + to.t_s);
+    for fix in &mut record.flights[1].flown.fixes {
+        if (fix.t_s - middle_s).abs() < 2.0 {
+            let middle = |a: f64, b: f64| 0.5 * (a + b);
+            fix.place.lat_deg = middle(from.place.lat_deg, to.place.lat_deg);
+            fix.place.lon_deg = middle(from.place.lon_deg, to.place.lon_deg);
+        }
+    }
+    let found = margin(&record, Limit::Separation);
+    assert!(found.ok, "{found:?}");
+    assert!(!margin(&record, gap).ok);
+}

@@ -8,7 +8,7 @@ use std::time::Duration;
 use command::{sortie, text};
 use in_flight::{Flight, begin, json, lanes, lines, planned, take_off, wait_for};
 use serde_json::Value;
-use sortie::link::{Address, Command, FlightMessage, Links, Message};
+use sortie::link::{Address, Command, Decoder, Encoder, FlightMessage, Links, Message};
 use sortie::spec::Link;
 
 fn replan(folder: &Path, threat: &str) -> (Output, String, String) {
@@ -244,7 +244,7 @@ fn who_keeps_its_course_or_holds_keeps_nobody_from_a_new_path_wherever_on_its_wa
     let (output, told, errors) = replan(folder.path(), "-35.35220,149.1725,40");
     assert_eq!(output.status.code(), Some(0), "{told}{errors}");
     assert_eq!(told.matches("on its new path").count(), 1, "{told}");
-    assert!(told.contains("holds, or somebody flies it"), "{told}");
+    assert!(told.contains("holds: is not concerned"), "{told}");
 }
 
 #[test]
@@ -277,12 +277,17 @@ fn who_holds_is_not_said_to_be_on_a_new_path() {
     wait_for(&runs, "alpha", 45.0);
     // Both meet it.
     let (output, told, errors) = replan(folder.path(), "36.305,-84.244,570");
-    assert_eq!(output.status.code(), Some(4), "{told}{errors}");
-    let who = "alpha cannot avoid popup-1 (it does not fly its mission";
-    assert!(errors.contains(who), "{errors}");
+    // Alpha stays clear of it, as long as nobody sends it on.
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    for part in [
+        "holds: is not concerned",
+        "its mission meets a threat, do not resume it",
+    ] {
+        assert!(told.contains(part), "{part} in {told}");
+    }
     assert_eq!(told.matches("on its new path").count(), 1, "{told}");
     let done = json(&runs.join("replan.json"));
-    assert_eq!(done["verdict"], "fail");
+    assert_eq!(done["verdict"], "pass");
     assert_eq!(done["vehicles"][0]["id"], "bravo");
 }
 
@@ -342,4 +347,91 @@ fn a_port_that_fly_listens_at_is_refused_before_the_threat_is_recorded() {
         assert!(errors.contains(part), "{part} in {errors}");
     }
     assert!(!runs.join("underway.jsonl").exists());
+}
+
+#[test]
+fn who_returns_lands_or_holds_is_named_where_its_own_way_meets_a_threat_and_only_there() {
+    const LAND: f32 = 9.0;
+    const RETURN: f32 = 6.0;
+    // A threat on the way home, and one on the mission ahead.
+    let (behind, ahead) = ("36.300,-84.2635,30", "36.300,-84.245,60");
+    for (mode, word, why) in [
+        (RETURN, "returns", "it returns, and its way leads into it"),
+        (LAND, "lands", ""),
+    ] {
+        let (folder, runs, _flight) = aloft(&lanes("-84.238"), "4", ("alpha", 40.0));
+        order(&runs, "alpha", 1, mode);
+        wait_for(&runs, "alpha", 44.0);
+        let (output, told, errors) = replan(folder.path(), ahead);
+        assert_eq!(output.status.code(), Some(0), "{word}: {told}{errors}");
+        let line = format!("{word}: is not concerned");
+        assert!(told.contains(&line), "{line} in {told}");
+        let (output, told, errors) = replan(folder.path(), behind);
+        let is_named = errors.contains(&format!("alpha cannot avoid popup-2 ({why}"));
+        let expected = if why.is_empty() {
+            (Some(0), false)
+        } else {
+            (Some(4), true)
+        };
+        assert_eq!(
+            (output.status.code(), is_named),
+            expected,
+            "{word}: {told}{errors}"
+        );
+    }
+}
+
+/// Passes messages on between a ground station and a vehicle that does not say how many items it holds.
+fn uncounted(far: &str) -> String {
+    let bind = || std::net::UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let (near, there) = (bind(), bind());
+    there.connect(far).expect("a vehicle");
+    let address = near.local_addr().expect("bound").to_string();
+    for socket in [&near, &there] {
+        socket.set_nonblocking(true).expect("a socket");
+    }
+    std::thread::spawn(move || {
+        let (mut station, mut buffer) = (None, [0; 2048]);
+        let mut decoder = Decoder::default();
+        loop {
+            if let Ok((length, from)) = near.recv_from(&mut buffer) {
+                station = Some(from);
+                let _ = there.send(&buffer[..length]);
+            } else if let (Ok(length), Some(station)) = (there.recv(&mut buffer), station) {
+                decoder.push(&buffer[..length]);
+                while let Some((from, mut message)) = decoder.next_message() {
+                    if let Message::MissionCurrent { total, .. } = &mut message {
+                        *total = 0;
+                    }
+                    let _ = near.send_to(&Encoder::new(from).encode(&message), station);
+                }
+            } else {
+                std::thread::sleep(Duration::from_micros(500));
+            }
+        }
+    });
+    address
+}
+
+#[test]
+fn a_vehicle_that_does_not_say_how_many_items_it_holds_is_sent_nothing_and_named() {
+    let (folder, runs, mut flight) = aloft(&lanes("-84.238"), "4", ("alpha", 30.0));
+    let links = json(&runs.join("links.json"));
+    let far = links["links"]["alpha"].as_str().expect("a link");
+    let near = uncounted(far.strip_prefix("udpout:").expect("UDP"));
+    let link = format!("--link=alpha=udpout:{near}");
+    let threat = "--threat=36.305,-84.244,570";
+    let output = sortie(folder.path(), &["replan", "lanes.yaml", threat, &link]);
+    let (told, errors) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(4), "{told}{errors}");
+    let why = "alpha cannot avoid popup-1 (it does not say how many items it holds";
+    assert!(errors.contains(why), "{errors}");
+    // Bravo is led around it all the same.
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    flight.0.wait().expect("it ends");
+    let flown = json(&runs.join("flight.json"));
+    let margins = flown["margins"].as_array().expect("margins");
+    let beside = |m: &&Value| m["vehicle"] == "alpha" && m["what"] == "cross-track error";
+    let beside = margins.iter().find(beside).expect("judged");
+    assert_eq!(beside["ok"], true, "{beside}");
 }

@@ -50,6 +50,7 @@ impl Bench {
                 | Message::MissionCurrent { .. }
                 | Message::HomePosition { .. }
                 | Message::AutopilotVersion { .. }
+                | Message::TextChunk(_)
                 | Message::Flight(_) => None,
             })
             .collect()

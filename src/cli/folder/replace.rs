@@ -8,6 +8,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::formats::{OutputError, sibling};
+use crate::numeric::text::JsonWriter;
 
 pub(crate) use crate::formats::write_file;
 
@@ -76,7 +77,7 @@ impl NewFolder {
     ) -> Result<(), OutputError> {
         let path = self.building.join(name);
         let mut file = BufWriter::new(fs::File::create(&path).map_err(at(&path))?);
-        serde_json::to_writer_pretty(&mut file, document)
+        serde_json::to_writer_pretty(JsonWriter(&mut file), document)
             .map_err(io::Error::from)
             .and_then(|()| file.write_all(b"\n"))
             .and_then(|()| file.flush())

@@ -39,18 +39,7 @@ pub(crate) fn out_json<D: Serialize>(document: &D) -> Result<(), Failure> {
 
 /// Prints the text of a JSON document, hidden characters escaped as JSON has them.
 pub(crate) fn out_json_text(text: &str) -> Result<(), Failure> {
-    let mut safe = String::with_capacity(text.len());
-    for sign in text.trim_end().chars() {
-        if sign != '\n' && text::is_hidden(sign) {
-            let units = &mut [0; 2];
-            for unit in sign.encode_utf16(units) {
-                safe += &format!("\\u{unit:04x}");
-            }
-        } else {
-            safe.push(sign);
-        }
-    }
-    print(&safe)
+    print(&text::escaped_json(text.trim_end()))
 }
 
 /// Prints one line that is no result.

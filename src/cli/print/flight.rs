@@ -4,6 +4,7 @@ use super::console::{Paint, out};
 use super::failure::Failure;
 use super::table::{self, Rows};
 use crate::flight::{FlightReport, ServiceState, Spread, done_words};
+use crate::report::END_AS_PLANNED;
 use crate::verify::{Limit, Margin, Sense};
 
 /// Prints the table of a flight that is over, and the limits that were violated.
@@ -13,7 +14,7 @@ pub(crate) fn report(judged: &FlightReport) -> Result<(), Failure> {
     let stopped = judged.vehicles.iter().filter(|of| !of.ended_as_planned);
     for of in stopped {
         out(&format!(
-            "{} {}: {}; a flight as planned ends with the landing, or in the air where the plan ends",
+            "{} {}: {}; {END_AS_PLANNED}",
             paint.bad("FAIL"),
             of.vehicle,
             of.end

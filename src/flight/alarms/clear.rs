@@ -177,17 +177,15 @@ impl Alarms<'_> {
     /// does not count home (`RALLY_INCL_HOME`), all within the reach of the parameter.
     fn rally_ends(&self, of: &Watched<'_>, here: &Here, home: &ReturnPlace) -> Vec<ReturnPlace> {
         let (frame, terrain) = (&self.world.frame, &self.world.terrain);
-        let is_px4 = of.mission.autopilot == Autopilot::Px4;
-        let reach_m = match (is_px4, of.vehicle.airframe.has_wing()) {
-            (false, true) => RALLY_REACH_M,
-            _ => 0.0,
-        };
+        let (autopilot, airframe) = (of.mission.autopilot, of.vehicle.airframe);
+        let is_px4 = autopilot == Autopilot::Px4;
         let home_m = here.point.at.distance_m(home.point.at);
+        let reach_m = rally_reach_m(autopilot, airframe, home_m);
         let mut ends = Vec::new();
         for (index, item) in of.mission.rally.iter().enumerate() {
             let Some(place) = item.place() else { continue };
             let at = frame.to_plan(place);
-            if here.point.at.distance_m(at) > (home_m + RALLY_FARTHER_M).max(reach_m) {
+            if here.point.at.distance_m(at) > reach_m {
                 continue;
             }
             // Without data the way is refused for that.
@@ -344,6 +342,19 @@ impl Alarms<'_> {
                 format!("comes within {left_m:.0} m of {id} at T0+{at_s:.0} s")
             })
         })
+    }
+}
+
+/// How far a rally point is at most to which an autopilot may return instead of home, which is `home_m` away, metres.
+pub(in crate::flight) fn rally_reach_m(
+    autopilot: Autopilot,
+    airframe: Airframe,
+    home_m: f64,
+) -> f64 {
+    let reach_m = home_m + RALLY_FARTHER_M;
+    match autopilot == Autopilot::ArduPilot && airframe.has_wing() {
+        true => reach_m.max(RALLY_REACH_M),
+        false => reach_m,
     }
 }
 

@@ -167,6 +167,7 @@ impl Alarms<'_> {
             let id = &of.vehicle.id;
             match future.late_s {
                 Some(late_s) if late_s >= 0.5 => format!("{id} {late_s:.0} s late"),
+                Some(late_s) if late_s <= -0.5 => format!("{id} {:.0} s early", -late_s),
                 Some(_) => format!("{id} on time"),
                 None => format!("{id} not on its plan"),
             }

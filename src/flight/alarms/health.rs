@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use super::reports::{Age, Reported, take};
+use crate::flight::event::says;
 use crate::link::{FlightMessage, Health, Message, SystemStatus};
 use crate::spec::Vehicle;
 
@@ -28,23 +30,30 @@ const POSITION_CONSTANT: u16 = 128;
 /// `ESTIMATOR_GPS_GLITCH`, `ESTIMATOR_ACCEL_ERROR`.
 const GPS_GLITCH: u16 = 1024;
 const ACCEL_ERROR: u16 = 2048;
+/// The number under which the battery of `SYS_STATUS` is remembered: it is the first one.
+const SYSTEM: u8 = u8::MAX;
 
 /// The last reports of one vehicle.
 #[derive(Debug, Default)]
 pub(super) struct HealthState {
     /// Share of the battery that must be left, where the spec says so.
     reserve: Option<f64>,
-    /// Percent left, the least of its batteries, by the number of the battery; 255 for `SYS_STATUS`.
-    batteries: Vec<(u8, i8)>,
-    /// `MAV_BATTERY_CHARGE_STATE` of each.
-    charges: Vec<(u8, u8)>,
+    /// Time since anything was heard, seconds, and what makes a report an old one.
+    quiet_s: f64,
+    most_s: f64,
+    /// Percent left of each battery.
+    batteries: Vec<Reported<i8>>,
+    /// `MAV_BATTERY_CHARGE_STATE` of each that says so.
+    charges: Vec<Reported<u8>>,
     /// What is wrong with the estimate, and how many reports in a row say so.
     estimate: Option<(String, u8)>,
+    /// When its estimate was reported last.
+    estimate_age: Option<Age>,
     is_breached: bool,
     /// Whether `SYS_STATUS` has the fence as not healthy.
     is_fence_bad: bool,
     breach: u8,
-    fix: Option<u8>,
+    fix: Option<(u8, Age)>,
     /// Critical texts that are alarms, and when there were some.
     texts: VecDeque<String>,
     texts_s: VecDeque<f64>,
@@ -62,7 +71,26 @@ impl HealthState {
         }
     }
 
+    /// Time passes in which somebody listened. The vehicle is heard unless it was silent for `quiet_s`; a
+    /// report is old after `most_s`.
+    pub(super) fn listen(&mut self, listened_s: f64, quiet_s: f64, most_s: f64) {
+        self.most_s = most_s;
+        self.quiet_s += listened_s;
+        if self.quiet_s > quiet_s {
+            // Nothing at all is heard: that is an alarm of its own.
+            return;
+        }
+        let batteries = self.batteries.iter_mut().map(|of| &mut of.age);
+        let charges = self.charges.iter_mut().map(|of| &mut of.age);
+        let others = self.fix.iter_mut().map(|(_, age)| age);
+        let others = others.chain(&mut self.estimate_age);
+        for age in batteries.chain(charges).chain(others) {
+            age.grow(listened_s);
+        }
+    }
+
     pub(super) fn handle(&mut self, t_s: f64, message: &Message) {
+        self.quiet_s = 0.0;
         match message {
             Message::StatusText { severity, text } if *severity <= CRITICAL => {
                 while self.texts_s.front().is_some_and(|at| t_s - at > TEXTS_S) {
@@ -70,7 +98,7 @@ impl HealthState {
                 }
                 if self.texts_s.len() < MAX_TEXTS {
                     self.texts_s.push_back(t_s);
-                    self.texts.push_back(format!("says: {text}"));
+                    self.texts.push_back(says(text));
                 }
             }
             Message::Flight(FlightMessage::Health(health)) => self.report(health),
@@ -85,7 +113,7 @@ impl HealthState {
                 // A vehicle without a battery monitor sends zeros.
                 let is_known = status.voltage_mv > 0 || status.remaining > 0;
                 if is_known && status.remaining >= 0 {
-                    take(&mut self.batteries, u8::MAX, status.remaining);
+                    take(&mut self.batteries, SYSTEM, status.remaining);
                 }
             }
             Health::Battery {
@@ -93,12 +121,16 @@ impl HealthState {
                 remaining,
                 charge,
             } => {
-                take(&mut self.charges, *id, *charge);
+                if *charge > 0 {
+                    take(&mut self.charges, *id, *charge);
+                } else {
+                    self.charges.retain(|of| of.id != *id);
+                }
                 if *remaining >= 0 {
                     take(&mut self.batteries, *id, *remaining);
                 }
             }
-            Health::Gps { fix, .. } => self.fix = Some(*fix),
+            Health::Gps { fix, .. } => self.fix = Some((*fix, Age::default())),
             Health::Fence {
                 is_breached, kind, ..
             } => (self.is_breached, self.breach) = (*is_breached, *kind),
@@ -125,27 +157,72 @@ impl HealthState {
     fn take_estimate(&mut self, why: Option<String>) {
         let before = self.estimate.take().map_or(0, |(_, count)| count);
         self.estimate = why.map(|why| (why, before.saturating_add(1)));
+        self.estimate_age = Some(Age::default());
     }
 
-    /// Percent of the battery left, of the emptiest.
+    /// Percent of the battery left, of the emptiest that still says so.
     pub(super) fn remaining(&self) -> Option<i8> {
-        self.batteries.iter().map(|(_, remaining)| *remaining).min()
+        let all = self.batteries.iter();
+        let fresh = all.filter(|of| of.age.beyond(self.most_s).is_none());
+        fresh.map(|of| of.value).min()
     }
 
-    /// `GPS_FIX_TYPE`, once it said so.
+    /// `GPS_FIX_TYPE`, as long as it says so.
     pub(super) fn fix(&self) -> Option<u8> {
-        self.fix
+        let fresh = self
+            .fix
+            .filter(|(_, age)| age.beyond(self.most_s).is_none());
+        fresh.map(|(fix, _)| fix)
+    }
+
+    /// Whether a battery that was reported is not any more, in words.
+    pub(super) fn battery_silence(&self) -> Option<String> {
+        let first = |id: u8| if id == SYSTEM { 0 } else { id };
+        let percents = self.batteries.iter().map(|of| (first(of.id), of.age));
+        // One that knows no percentage may report its state alone.
+        let is_known = |id: u8| self.batteries.iter().any(|of| first(of.id) == id);
+        let charges = self.charges.iter().filter(|of| !is_known(of.id));
+        let all: Vec<(u8, Age)> = percents.chain(charges.map(|of| (of.id, of.age))).collect();
+        let latest = |id: u8| {
+            let own = all.iter().filter(|of| of.0 == id).map(|of| of.1);
+            own.reduce(Age::or_later)
+        };
+        let (id, silent_s) = all
+            .iter()
+            .find_map(|(id, _)| Some((*id, latest(*id)?.beyond(self.most_s)?)))?;
+        let of = self.batteries.iter().filter(|of| first(of.id) == id);
+        let then = of.map(|of| of.value).min();
+        let then = then.map_or_else(String::new, |left| format!(" ({left} % left then)"));
+        let what = match id {
+            0 => "no battery report".to_owned(),
+            _ => format!("no report of battery {id}"),
+        };
+        Some(format!("{what} for {silent_s:.0} s{then}"))
+    }
+
+    /// The same of its position estimate.
+    pub(super) fn estimate_silence(&self) -> Option<String> {
+        let silent_s = self.estimate_age?.beyond(self.most_s)?;
+        Some(format!(
+            "no report of its position estimate for {silent_s:.0} s"
+        ))
+    }
+
+    /// And of its GPS.
+    pub(super) fn gps_silence(&self) -> Option<String> {
+        let (_, age) = self.fix?;
+        let silent_s = age.beyond(self.most_s)?;
+        Some(format!("no GPS report for {silent_s:.0} s"))
     }
 
     pub(super) fn battery(&self) -> Option<String> {
         let reserve = 100.0 * self.reserve.unwrap_or(RESERVE);
-        let low = self.remaining().filter(|left| f64::from(*left) < reserve);
+        // What was low is low as long as nothing else is reported.
+        let least = self.batteries.iter().map(|of| of.value).min();
+        let low = least.filter(|left| f64::from(*left) < reserve);
         let low = low.map(|left| format!("{left} % left, reserve {reserve:.0} %"));
         let critical = CHARGE_CRITICAL..=CHARGE_UNHEALTHY;
-        let says = self
-            .charges
-            .iter()
-            .any(|(_, charge)| critical.contains(charge));
+        let says = self.charges.iter().any(|of| critical.contains(&of.value));
         low.or_else(|| says.then(|| "the battery reports that it is critical".to_owned()))
     }
 
@@ -169,21 +246,13 @@ impl HealthState {
     }
 
     pub(super) fn gps(&self) -> Option<String> {
-        let fix = self.fix.filter(|fix| *fix < FIX_3D);
-        fix.map(|fix| format!("no GPS fix ({})", fix_word(fix)))
+        let fix = self.fix.filter(|(fix, _)| *fix < FIX_3D);
+        fix.map(|(fix, _)| format!("no GPS fix ({})", fix_word(fix)))
     }
 
     /// The next critical text.
     pub(super) fn take_text(&mut self) -> Option<String> {
         self.texts.pop_front()
-    }
-}
-
-/// Takes what a battery says, by its number.
-fn take<T>(known: &mut Vec<(u8, T)>, id: u8, value: T) {
-    match known.iter_mut().find(|(of, _)| *of == id) {
-        Some((_, known)) => *known = value,
-        None => known.push((id, value)),
     }
 }
 

@@ -6,11 +6,14 @@
 //! when its cause has been gone for some seconds.
 
 mod breach;
-mod clear;
+pub(super) mod clear;
+mod departure;
 mod future;
 mod health;
 mod motion;
 mod onboard;
+mod reports;
+mod skips;
 #[cfg(test)]
 mod tests;
 mod tube;
@@ -29,6 +32,7 @@ use breach::Breaches;
 use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
+use skips::Skips;
 use tube::{LATE_ERROR_S, TubeWatch, assumed_late_s};
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
@@ -38,6 +42,10 @@ const STALE_S: f64 = 1.5;
 const STALE_WALL_S: f64 = 0.75;
 /// Positions that come late by so much more, and for this long, are as bad, seconds.
 const LAG_S: f64 = 1.0;
+/// A report of battery, GPS or estimate that came before and does not come for this long has stopped: seconds of
+/// flight, and of the wall's clock. It is requested twice a second, and again after 3 s.
+const NO_REPORT_S: f64 = 10.0;
+const NO_REPORT_WALL_S: f64 = 2.5;
 /// More than this between two looks was a stall of this machine, in which nobody was heard,
 /// seconds of the wall's clock.
 const STALL_WALL_S: f64 = 0.1;
@@ -114,6 +122,9 @@ struct Watched<'a> {
     lag: Option<(f64, f64)>,
     /// The last alarm of its mode.
     mode_said: Option<String>,
+    /// When it left the ground, seconds after T0, until its departure was looked at.
+    up_s: Option<f64>,
+    skips: Skips,
 }
 
 /// A position, its velocity to the east, the north and up, m/s, and its height above the ground.
@@ -183,6 +194,8 @@ impl<'a> Alarms<'a> {
             silent_s: 0.0,
             lag: None,
             mode_said: None,
+            up_s: None,
+            skips: Skips::default(),
         };
         Self {
             spec,
@@ -210,9 +223,16 @@ impl<'a> Alarms<'a> {
             if duty.flies && !of.duty.flies {
                 of.silent_s = 0.0;
                 of.onboard.begin(duty.held);
+                if !duty.is_up {
+                    of.skips.begin(t_s, of.here.as_ref());
+                }
             }
             if !duty.returns && of.duty.is_ordered || duty.is_over {
                 of.returns.clear();
+            }
+            if duty.is_up && !of.duty.is_up {
+                // Of one that was in the air when its flight was taken over the departure is not known.
+                of.up_s = duty.flies.then_some(t_s);
             }
             of.duty = duty;
             // A return that was ordered before its flight was taken over.
@@ -254,7 +274,10 @@ impl<'a> Alarms<'a> {
         if let Some(plan) = of.onboard.taken_up() {
             of.tube = TubeWatch::new(of.vehicle, &plan.reference);
             of.plan = plan.reference;
+            of.skips = Skips::default();
         }
+        self.look_at_items(t_s, vehicle, message);
+        let of = &mut self.vehicles[vehicle];
         let Some(text) = of.health.take_text().filter(|_| of.duty.flies) else {
             return false;
         };
@@ -304,6 +327,8 @@ impl<'a> Alarms<'a> {
             (AlarmKind::Position, vehicle, None, "jump"),
             jumped,
         );
+        self.look_at_departure(vehicle, &here);
+        self.look_at_waypoints(t_s, vehicle, &here);
         self.look_at_tube(vehicle, &here);
         self.look_at_distances(vehicle, &here);
         self.look_at_threats(vehicle, &here);
@@ -316,9 +341,11 @@ impl<'a> Alarms<'a> {
         // What a machine that stalls does not hear is no silence of a vehicle.
         let listened_s = since_s.clamp(0.0, STALL_WALL_S * self.speedup.max(1.0));
         let stale_s = self.stale_s();
+        let old_s = NO_REPORT_S.max(NO_REPORT_WALL_S * self.speedup);
         for index in 0..self.vehicles.len() {
             let of = &mut self.vehicles[index];
             of.silent_s += listened_s;
+            of.health.listen(listened_s, stale_s, old_s);
             let duty = of.duty;
             let silent_s = of.silent_s;
             let key = (AlarmKind::Position, index, None, "stale");
@@ -411,6 +438,17 @@ impl<'a> Alarms<'a> {
         let estimate = health.estimate().filter(|_| is_up);
         let fence = health.fence().filter(|_| is_up);
         let gps = health.gps().filter(|_| is_up);
+        // What does not come is not over because the flight is.
+        let stands = |kind| self.standing.contains_key(&(kind, index, None, "reports"));
+        let is_due = |kind, flies: bool| flies || stands(kind);
+        let [battery_due, estimate_due, gps_due] = [
+            is_due(AlarmKind::Battery, flies),
+            is_due(AlarmKind::Ekf, is_up),
+            is_due(AlarmKind::Position, is_up),
+        ];
+        let no_battery = health.battery_silence().filter(|_| battery_due);
+        let no_estimate = health.estimate_silence().filter(|_| estimate_due);
+        let no_gps = health.gps_silence().filter(|_| gps_due);
         let mission = of.onboard.mission(t_s).filter(|_| flies);
         let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
@@ -424,6 +462,9 @@ impl<'a> Alarms<'a> {
             (AlarmKind::Ekf, "", estimate),
             (AlarmKind::Fence, "", fence),
             (AlarmKind::Position, "fix", gps),
+            (AlarmKind::Battery, "reports", no_battery),
+            (AlarmKind::Ekf, "reports", no_estimate),
+            (AlarmKind::Position, "reports", no_gps),
             (AlarmKind::Mission, "", mission),
             (AlarmKind::Mode, "", mode),
         ] {

@@ -73,6 +73,16 @@ impl Onboard {
         self.id = None;
     }
 
+    /// Items of the mission that it should hold.
+    pub(super) fn items(&self) -> usize {
+        self.items
+    }
+
+    /// Whether it holds the mission that it should, as far as it says so, and no other one comes.
+    pub(super) fn holds_its_plan(&self) -> bool {
+        self.next.is_none() && self.differs.is_none()
+    }
+
     /// The plan that it holds since the last call.
     pub(super) fn taken_up(&mut self) -> Option<Plan> {
         self.taken_up.take()

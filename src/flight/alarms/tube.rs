@@ -29,7 +29,7 @@ const SLOW_MPS: f64 = 1.0;
 /// What the verdict allows one vehicle around its plan.
 #[derive(Clone, Debug)]
 pub(super) struct TubeWatch {
-    tube: Tube,
+    pub(super) tube: Tube,
     airframe: Airframe,
     /// By how much a plane may be off the legs until it has passed the place after its climb-out,
     /// metres.

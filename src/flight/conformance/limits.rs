@@ -26,6 +26,11 @@ pub(crate) fn moment(fix: &Fix) -> Moment {
     }
 }
 
+/// Whether nothing is known between two positions: that fails by itself, and no way is assumed there.
+fn is_gap(from: &Fix, to: &Fix) -> bool {
+    from.until_s(to) > GAP_S
+}
+
 /// Whether a zone is closed where and when a vehicle was.
 fn is_closed(zone: &PlanZone, world: &World, fix: &Fix, point: PlanPoint) -> bool {
     let ground = world.terrain.height(fix.place);
@@ -75,10 +80,11 @@ impl FlownTrack<'_> {
             let rim = Requirement::at_least(Limit::Threat(threat.id.clone()), 0.0, "m");
             let known = all().skip_while(|(fix, _)| fix.t_s < from_s);
             let known: Vec<(&Fix, PlanPoint)> = known.collect();
-            // Between two positions too; the last of them is alone.
+            // Between two positions too; the last of them is alone, and so is one before a gap.
             let next = known.iter().skip(1).chain(known.last());
-            let outside = known.iter().zip(next).map(|(&(fix, from), &(_, to))| {
+            let outside = known.iter().zip(next).map(|(&(fix, from), &(then, to))| {
                 let flat = |at: EastNorth| [at.east_m, at.north_m];
+                let to = if is_gap(fix, then) { from } else { to };
                 let ends = (flat(from.at), flat(to.at));
                 let away_m = point_segment_distance(flat(disc.center), ends.0, ends.1);
                 (away_m - disc.radius_m, fix)
@@ -237,7 +243,7 @@ impl FlownTrack<'_> {
         required.margin(self.id(), value, first.map(moment))
     }
 
-    /// The motions in the air between two positions.
+    /// The motions in the air between two positions; of a gap its ends alone.
     fn segments(&self, world: &World) -> Vec<(Segment, usize)> {
         let axes = |p: &PlanPoint| [p.at.east_m, p.at.north_m, p.amsl.0];
         let is_up = |index: usize| {
@@ -247,13 +253,18 @@ impl FlownTrack<'_> {
         };
         (1..self.points.len())
             .filter(|&index| is_up(index - 1) || is_up(index))
-            .map(|index| {
+            .flat_map(|index| {
                 let (from, to) = (&self.fixes()[index - 1], &self.fixes()[index]);
-                let segment = Segment::between(
-                    (from.t_s, axes(&self.points[index - 1])),
-                    (to.t_s, axes(&self.points[index])),
-                );
-                (segment, index)
+                let first = (from.t_s, axes(&self.points[index - 1]));
+                let last = (to.t_s, axes(&self.points[index]));
+                let pieces = match is_gap(from, to) {
+                    true => vec![(first, first), (last, last)],
+                    false => vec![(first, last)],
+                };
+                let segments = pieces.into_iter().map(|(a, b)| Segment::between(a, b));
+                segments
+                    .map(move |segment| (segment, index))
+                    .collect::<Vec<_>>()
             })
             .collect()
     }

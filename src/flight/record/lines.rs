@@ -8,6 +8,7 @@ use crate::flight::document::rounded;
 use crate::flight::event::Event;
 use crate::flight::itinerary::stops::Itinerary;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
+use crate::numeric::text::escaped_json;
 use crate::spec::{Action, AlarmKind, THREAT_RADIUS_M, Threat};
 
 /// Times are written rounded, seconds.
@@ -180,7 +181,8 @@ impl Line {
     #[must_use]
     pub fn text(&self) -> String {
         // A line holds text and numbers alone.
-        serde_json::to_string(self).unwrap_or_default()
+        let text = serde_json::to_string(self).unwrap_or_default();
+        escaped_json(&text).into_owned()
     }
 
     /// A position.

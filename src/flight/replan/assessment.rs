@@ -113,6 +113,16 @@ impl Assessment<'_> {
         center.distance_m(at) < threat.radius_m
     }
 
+    /// Whether the mission of a vehicle that flies something else meets a threat that came up.
+    pub(super) fn mission_is_met(&self, state: &VehicleState) -> bool {
+        let tolerance_m = self.plan.spec().mission.tolerance_m;
+        let meets = |threat: &Threat| {
+            let center = self.plan.world.frame.to_plan(threat.place);
+            state.mission_meets(center, threat.radius_m + tolerance_m)
+        };
+        !state.in_mission() && self.popups.iter().any(meets)
+    }
+
     /// The threats that came up and that a path meets.
     fn met(&self, state: &VehicleState) -> Vec<Threat> {
         let tolerance_m = self.plan.spec().mission.tolerance_m;
@@ -127,6 +137,13 @@ impl Assessment<'_> {
     fn branch(&self, state: &VehicleState, met: &[Threat], lead_s: f64) -> Result<Branch, String> {
         if state.stands {
             return Err("it stands on the ground".to_owned());
+        }
+        if let Some(why) = state.doing.why_not_led() {
+            return Err(why.to_owned());
+        }
+        if !state.counts_items {
+            let why = "it does not say how many items it holds: nobody would know whether it flies a new mission";
+            return Err(why.to_owned());
         }
         if state.takes_off {
             let why =
@@ -164,9 +181,6 @@ impl Assessment<'_> {
                 return Err(format!("its plan leads to a place inside of {id}"));
             }
         }
-        if !state.in_mission {
-            return Err("it does not fly its mission: it holds, or somebody flies it".to_owned());
-        }
         Ok(branch)
     }
 
@@ -179,7 +193,7 @@ impl Assessment<'_> {
                 threats.push(threat.id);
             }
         }
-        let certain = if state.in_mission {
+        let certain = if state.in_mission() {
             crossed
         } else {
             threats.len()
@@ -189,7 +203,7 @@ impl Assessment<'_> {
             certain: threats[..certain].to_vec(),
             threats,
             why,
-            in_mission: state.in_mission,
+            in_mission: state.in_mission(),
         });
         self.others.push(state);
     }
@@ -255,7 +269,7 @@ impl Assessment<'_> {
                     threats,
                     certain: Vec::new(),
                     why: "its path as flown meets it, its planned path does not".to_owned(),
-                    in_mission: state.in_mission,
+                    in_mission: state.in_mission(),
                 });
             }
         }

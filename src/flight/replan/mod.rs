@@ -8,6 +8,7 @@
 mod assessment;
 mod diversions;
 mod document;
+mod doing;
 mod in_column;
 mod joint_plan;
 mod near;
@@ -30,6 +31,7 @@ use crate::world::Disc;
 use assessment::{Assessment, NoPath};
 pub use assessment::{Unavoidable, sentence};
 pub use document::{document, failure_document};
+pub use doing::Doing;
 use joint_plan::{Replanned, replan};
 pub use new_mission::NewMission;
 use observation::{Observation, Observer};
@@ -60,6 +62,8 @@ pub struct Decision {
     pub review: Review,
     /// The vehicles that cannot avoid a threat.
     pub unavoidable: Vec<Unavoidable>,
+    /// Vehicles, by index in the spec, that fly something else and whose mission meets a threat.
+    pub not_to_resume: Vec<usize>,
     /// Whether every limit holds that a new path could violate.
     pub is_sound: bool,
     /// Whether the new paths keep the buffers of the spec; else they keep its limits alone.
@@ -184,12 +188,15 @@ impl<'a> Replanner<'a> {
             } = replan(&mut assessment, &mut no_path);
             let planned_s = self.clock.seconds() - observation.at_s;
             let is_sound = assessment.is_sound(&review);
+            let not_to_resume = states.iter().filter(|of| assessment.mission_is_met(of));
+            let not_to_resume = not_to_resume.map(|of| of.vehicle).collect();
             if planned_s <= planning_s || !is_sound || assessment.concerned.is_empty() {
                 return Ok(Decision {
                     states,
                     missions,
                     review,
                     unavoidable: assessment.unavoidable,
+                    not_to_resume,
                     is_sound,
                     has_buffers,
                     planned_s,

@@ -30,6 +30,8 @@ pub(super) struct ObservedVehicle {
     pub(super) flown: Vec<(u64, Position)>,
     /// Sequence number of its current item.
     pub(super) seq: u16,
+    /// Items that it says to hold, as it was sent.
+    pub(super) total: u16,
     pub(super) onboard: Onboard,
 }
 
@@ -52,7 +54,8 @@ struct Known {
     beat: Option<(Address, Heartbeat)>,
     position: Option<Position>,
     flown: Vec<(u64, Position)>,
-    seq: Option<u16>,
+    /// Its current item, and how many it says to hold.
+    current: Option<(u16, u16)>,
 }
 
 /// Reads the lists of every vehicle once, and observes the fleet as often as needed.
@@ -79,7 +82,7 @@ impl<'a> Observer<'a> {
                 beat: None,
                 position: None,
                 flown: Vec::new(),
-                seq: None,
+                current: None,
             };
             (*index, known)
         });
@@ -99,9 +102,9 @@ impl<'a> Observer<'a> {
     /// Observes where every vehicle is now.
     pub(super) fn observe(&mut self) -> Result<Observation, FlightError> {
         for of in self.vehicles.values_mut() {
-            (of.position, of.seq) = (None, None);
+            (of.position, of.current) = (None, None);
         }
-        self.listen_until(|of| of.position.is_some() && of.seq.is_some())?;
+        self.listen_until(|of| of.position.is_some() && of.current.is_some())?;
         let mut observation = Observation {
             vehicles: BTreeMap::new(),
             unix_ms: unix_ms(),
@@ -109,8 +112,8 @@ impl<'a> Observer<'a> {
             reading_s: self.reading_s,
         };
         for (index, of) in &self.vehicles {
-            let (Some((address, beat)), Some(position), Some(seq), Some(Ok(onboard))) =
-                (of.beat, of.position, of.seq, of.reading.outcome())
+            let (Some((address, beat)), Some(position), Some((seq, total)), Some(Ok(onboard))) =
+                (of.beat, of.position, of.current, of.reading.outcome())
             else {
                 return Err(self.silent(*index));
             };
@@ -120,6 +123,7 @@ impl<'a> Observer<'a> {
                 position,
                 flown: of.flown.clone(),
                 seq,
+                total,
                 onboard: onboard.clone(),
             };
             observation.vehicles.insert(*index, observed);
@@ -203,7 +207,9 @@ impl<'a> Observer<'a> {
                     of.beat = Some((from, *beat));
                 }
                 _ if !of.beat.is_some_and(is_known) => {}
-                Message::MissionCurrent { seq, .. } => of.seq = Some(*seq),
+                Message::MissionCurrent { seq, total, .. } => {
+                    of.current = Some((*seq, *total));
+                }
                 Message::Flight(FlightMessage::Position(position)) => {
                     of.position = Some(*position);
                     if position.is_known() {

@@ -1,5 +1,6 @@
 //! The state of a vehicle in flight: what it holds, where it is, what it has ahead.
 
+use super::doing::Doing;
 use super::in_column::{InColumn, puts_down};
 use super::near::comes_near;
 use super::observation::ObservedVehicle;
@@ -7,7 +8,6 @@ use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::itinerary::rows::left_of;
 use crate::flight::itinerary::stops::Service;
 use crate::flight::launch::plan::FlightPlan;
-use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
@@ -44,8 +44,10 @@ pub struct VehicleState {
     drops: Vec<bool>,
     /// Its flown track since the threat came up.
     pub(super) flown: Vec<PlanPoint>,
-    /// Whether it flies its mission; else it holds, or somebody flies it.
-    pub in_mission: bool,
+    /// What it does: it flies its mission, or something else.
+    pub doing: Doing,
+    /// Whether it says how many items it holds.
+    pub(super) counts_items: bool,
     /// Where the leg to the item that it flies to begins.
     pub(super) origin: PlanPoint,
     /// The waypoints ahead in the air, each with the index of its item.
@@ -157,8 +159,7 @@ impl VehicleState {
             top.at = here.at;
         }
         let [north_cmps, east_cmps, _] = observed.position.velocity_cmps.map(f64::from);
-        let station = plan.world.stations.get(vehicle);
-        let ends = station.map(|of| (of.start, of.goal));
+        let ends = start_and_goal(plan, vehicle);
         let vias = ends.map_or_else(Vec::new, |ends| vias(&held, (&ahead, &drops), ends));
         Ok(Self {
             vehicle,
@@ -171,7 +172,8 @@ impl VehicleState {
             column,
             drops,
             flown: threat_time.flown_track(plan, observed),
-            in_mission: modes::is_mission(planned, observed.beat.custom_mode),
+            doing: Doing::of((plan, vehicle), planned, observed.beat.custom_mode, here),
+            counts_items: (1..u16::MAX).contains(&observed.total),
             origin: origin.filter(|_| !rising).unwrap_or(here),
             ahead,
             lands: reference.lands,
@@ -198,8 +200,27 @@ impl VehicleState {
         }
     }
 
-    /// Whether its path comes nearer than a distance to a place.
+    /// Whether it flies its mission.
+    #[must_use]
+    pub fn in_mission(&self) -> bool {
+        self.doing == Doing::Mission
+    }
+
+    /// Whether its path comes nearer than a distance to a place: that of its mission, or what it flies instead.
     pub(super) fn meets(&self, center: EastNorth, distance_m: f64) -> bool {
+        let Some(ways) = self.doing.ways(self.here) else {
+            return self.mission_meets(center, distance_m);
+        };
+        let circle_m = match self.doing {
+            Doing::Holds => f64::from(self.stay_radius_m),
+            _ => 0.0,
+        };
+        let mut ways = ways.iter();
+        ways.any(|way| comes_near(way, center, distance_m + circle_m))
+    }
+
+    /// The same of its mission, whether it flies it or not.
+    pub(super) fn mission_meets(&self, center: EastNorth, distance_m: f64) -> bool {
         comes_near(&self.points(), center, distance_m)
     }
 
@@ -285,11 +306,12 @@ impl VehicleState {
 
     /// Items that it flies from where it is, with altitudes AMSL instead of above home, each with its
     /// row: the speed that it was commanded, the rest of a takeoff under way, the items ahead. One
-    /// that does not fly its mission stays where it is.
+    /// that does not fly its mission stays where it is, or where it returns to.
     pub(super) fn items_ahead(&self, frame: &LocalFrame) -> Vec<(usize, Item)> {
-        if !self.in_mission {
+        if !self.in_mission() {
             let params = [0.0, 0.0, self.stay_radius_m, 0.0];
-            let stay = item_at(frame, command::NAV_LOITER_UNLIM, params, self.here);
+            let at = self.doing.stays_at(self.here);
+            let stay = item_at(frame, command::NAV_LOITER_UNLIM, params, at);
             return vec![(self.at + 1, stay)];
         }
         let is_speed = |item: &&Item| item.command == command::DO_CHANGE_SPEED;
@@ -353,6 +375,12 @@ impl VehicleState {
         };
         last.map_or_else(none, |(index, _)| after_actions(&self.held.items, *index))
     }
+}
+
+/// Where its planned path begins, and where it ends.
+fn start_and_goal(plan: &FlightPlan, vehicle: usize) -> Option<(PlanPoint, PlanPoint)> {
+    let station = plan.world.stations.get(vehicle)?;
+    Some((station.start, station.goal))
 }
 
 /// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.

@@ -164,16 +164,28 @@ impl<'a> Fleet<'a> {
 
     /// Takes in a message that came over a link, from any sender.
     pub fn handle(&mut self, now: Time, (link, from): (usize, Address), message: &Message) {
-        let clock = (now, self.flight_ms(now), self.t0_ms());
         for index in 0..self.vehicles.len() {
-            let vehicle = &mut self.vehicles[index];
-            if vehicle.of.link != link {
-                continue;
+            if self.vehicles[index].of.link == link {
+                self.take(now, index, (from, message));
+                self.take_whole_texts(now, index);
             }
-            vehicle.handle(clock, from, message);
-            if vehicle.is_of_autopilot(from, message) {
-                self.hand_over(now, index, message);
-            }
+        }
+    }
+
+    /// Takes in a message that came over the link of a vehicle.
+    fn take(&mut self, now: Time, index: usize, (from, message): (Address, &Message)) {
+        let clock = (now, self.flight_ms(now), self.t0_ms());
+        let vehicle = &mut self.vehicles[index];
+        vehicle.handle(clock, from, message);
+        if vehicle.is_of_autopilot(from, message) {
+            self.hand_over(now, index, message);
+        }
+    }
+
+    /// The same of its texts that came in pieces.
+    fn take_whole_texts(&mut self, now: Time, index: usize) {
+        while let Some((from, text)) = self.vehicles[index].texts.chunks.poll(now) {
+            self.take(now, index, (from, &text));
         }
     }
 
@@ -217,6 +229,9 @@ impl<'a> Fleet<'a> {
             reason = "a few hundred thousand microseconds"
         )]
         let interval_us = (self.options.position_s * 1e6) as f32;
+        for index in 0..self.vehicles.len() {
+            self.take_whole_texts(now, index);
+        }
         // Before an order is repeated.
         self.judge_returns_again(now);
         for vehicle in &mut self.vehicles {

@@ -10,7 +10,7 @@ mod orders;
 mod rejoin;
 mod texts;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use super::clock::Offset;
 use super::command::pending::{Answer, PendingCommand};
@@ -31,7 +31,7 @@ pub(super) use arming::ARMING_MS;
 use arming::{Arming, Disarming, SeenDisarmed};
 use ending::Motors;
 use hold::HoldWatch;
-use texts::TextLimit;
+use texts::Texts;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -184,11 +184,11 @@ pub(crate) struct FlightVehicle<'a> {
     position_at: Option<Time>,
     /// When it last said which item is its current one.
     item_at: Option<Time>,
-    /// When it last reported its own health.
-    health_at: Option<Time>,
+    /// When each report of its own health last came, by the id of the message.
+    health_at: BTreeMap<u32, Time>,
     /// Positions that are none on earth.
     invalid_positions: usize,
-    texts: TextLimit,
+    pub(crate) texts: Texts,
     /// Items on board without home, as the vehicle says.
     pub(crate) total: Totals,
     airborne: bool,
@@ -272,9 +272,9 @@ impl<'a> FlightVehicle<'a> {
             item: 0,
             position_at: None,
             item_at: None,
-            health_at: None,
+            health_at: BTreeMap::new(),
             invalid_positions: 0,
-            texts: TextLimit::default(),
+            texts: Texts::default(),
             total: Totals::default(),
             airborne: false,
             motors: Motors::default(),

@@ -6,7 +6,9 @@ use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader};
 use super::*;
 use crate::link::List;
 use crate::link::message::payload::{read_payload, write_payload};
-use crate::link::message::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult};
+use crate::link::message::{
+    Address, Body, Heartbeat, Message, MissionMessage, MissionResult, TEXT_BYTES, TextChunk,
+};
 use crate::mission::{Item, frame};
 
 const US: Address = Address {
@@ -71,6 +73,12 @@ fn all() -> Vec<Message> {
             severity: 4,
             text: "Mission upload timeout".to_owned(),
         },
+        Message::TextChunk(TextChunk {
+            severity: 2,
+            bytes: [b'x'; TEXT_BYTES],
+            id: 515,
+            seq: 3,
+        }),
         Message::MissionCurrent {
             seq: 3,
             total: 9,

@@ -51,13 +51,19 @@ pub(super) trait Fields {
         let mut bytes: Vec<u8> = text.bytes().take(length).collect();
         bytes.resize(length, 0);
         self.bytes(&mut bytes);
-        text.clear();
         let mut until_0 = bytes.split(|&byte| byte == 0);
-        for chunk in until_0.next().unwrap_or_default().utf8_chunks() {
-            *text += chunk.valid();
-            text.extend(chunk.invalid().iter().map(|_| '?'));
-        }
+        *text = text_of(until_0.next().unwrap_or_default());
     }
+}
+
+/// Bytes as text: each that is not UTF-8 is read as `?`.
+pub(super) fn text_of(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for chunk in bytes.utf8_chunks() {
+        text += chunk.valid();
+        text.extend(chunk.invalid().iter().map(|_| '?'));
+    }
+    text
 }
 
 /// A payload from its beginning; MAVLink 2 cuts zeros off its end.

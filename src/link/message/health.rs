@@ -77,7 +77,9 @@ impl SystemStatus {
 }
 
 impl Health {
-    pub(super) fn id(&self) -> u32 {
+    /// The id of its message.
+    #[must_use]
+    pub fn id(&self) -> u32 {
         match self {
             Self::System(_) => id::SYS_STATUS,
             Self::Gps { .. } => id::GPS_RAW_INT,

@@ -7,7 +7,7 @@
 
 use super::fields::Fields;
 use super::flight::{Command, FlightMessage, Position};
-use super::{Address, Body, Message, MissionMessage, id};
+use super::{Address, Body, Message, MissionMessage, TEXT_BYTES, id};
 use crate::mission::frame;
 
 /// Moves the fields of a message between it and a payload.
@@ -23,7 +23,13 @@ pub(super) fn layout(id: u32, message: &mut Message, fields: &mut dyn Fields) {
         }
         Message::StatusText { severity, text } => {
             fields.u8(severity);
-            fields.text(text, 50);
+            fields.text(text, TEXT_BYTES);
+        }
+        Message::TextChunk(chunk) => {
+            fields.u8(&mut chunk.severity);
+            fields.bytes(&mut chunk.bytes);
+            fields.u16(&mut chunk.id);
+            fields.u8(&mut chunk.seq);
         }
         Message::MissionCurrent {
             seq,

@@ -33,18 +33,56 @@ impl Address {
     }
 }
 
+/// Bytes of the text of a `STATUSTEXT`.
+pub const TEXT_BYTES: usize = 50;
+
+/// A piece of a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextChunk {
+    /// 0 emergency to 7 debug.
+    pub severity: u8,
+    /// Its part of the text; one that is shorter ends with 0, and is the last.
+    pub bytes: [u8; TEXT_BYTES],
+    /// Which text.
+    pub id: u16,
+    /// Its place in it, from 0 on.
+    pub seq: u8,
+}
+
+impl TextChunk {
+    /// Its part of the text alone.
+    #[must_use]
+    pub fn text(&self) -> &[u8] {
+        self.bytes
+            .split(|&byte| byte == 0)
+            .next()
+            .unwrap_or_default()
+    }
+}
+
+impl Message {
+    /// A whole text, from its bytes.
+    #[must_use]
+    pub fn of_text(severity: u8, bytes: &[u8]) -> Self {
+        let text = fields::text_of(bytes);
+        Self::StatusText { severity, text }
+    }
+}
+
 /// One message, without its sender.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Message {
     /// `HEARTBEAT` (0).
     Heartbeat(Heartbeat),
-    /// `STATUSTEXT` (253): `MAV_SEVERITY` and text, one chunk.
+    /// `STATUSTEXT` (253): `MAV_SEVERITY` and a whole text.
     StatusText {
         /// 0 emergency to 7 debug.
         severity: u8,
         /// The text.
         text: String,
     },
+    /// `STATUSTEXT` with an id: a piece of a longer text.
+    TextChunk(TextChunk),
     /// `MISSION_CURRENT` (42).
     MissionCurrent {
         /// Where the mission is.

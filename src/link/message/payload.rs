@@ -4,7 +4,9 @@ use super::fields::{Reader, Writer};
 use super::flight::{Command, CommandResult, FlightMessage, LandedState, ParamValue, Position};
 use super::health::Health;
 use super::layout::layout;
-use super::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult, id};
+use super::{
+    Address, Body, Heartbeat, Message, MissionMessage, MissionResult, TEXT_BYTES, TextChunk, id,
+};
 use crate::mission::Item;
 
 const NOBODY: Address = Address {
@@ -16,7 +18,12 @@ const NOBODY: Address = Address {
 pub(crate) fn read_payload(id: u32, payload: &[u8]) -> Option<Message> {
     let mut message = blank(id)?;
     layout(id, &mut message, &mut Reader(payload));
-    Some(message)
+    Some(match message {
+        Message::TextChunk(chunk) if chunk.id == 0 => {
+            Message::of_text(chunk.severity, chunk.text())
+        }
+        message => message,
+    })
 }
 
 /// The id and the payload of a message, extensions included.
@@ -30,7 +37,7 @@ pub(crate) fn write_payload(message: &Message) -> (u32, Vec<u8>) {
 fn id_of(message: &Message) -> u32 {
     match message {
         Message::Heartbeat(_) => id::HEARTBEAT,
-        Message::StatusText { .. } => id::STATUSTEXT,
+        Message::StatusText { .. } | Message::TextChunk(_) => id::STATUSTEXT,
         Message::MissionCurrent { .. } => id::MISSION_CURRENT,
         Message::HomePosition { .. } => id::HOME_POSITION,
         Message::AutopilotVersion { .. } => id::AUTOPILOT_VERSION,
@@ -66,10 +73,12 @@ fn id_of(message: &Message) -> u32 {
 fn blank(id: u32) -> Option<Message> {
     Some(match id {
         id::HEARTBEAT => Message::Heartbeat(Heartbeat::OURS),
-        id::STATUSTEXT => Message::StatusText {
+        id::STATUSTEXT => Message::TextChunk(TextChunk {
             severity: 0,
-            text: String::new(),
-        },
+            bytes: [0; TEXT_BYTES],
+            id: 0,
+            seq: 0,
+        }),
         id::MISSION_CURRENT => Message::MissionCurrent {
             seq: 0,
             total: 0,

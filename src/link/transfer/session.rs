@@ -24,6 +24,7 @@ use crate::geodesy::LatLon;
 use crate::link::codec::Version;
 use crate::link::message::flight::{Command, FlightMessage};
 use crate::link::message::{Address, Heartbeat, List, Message, MissionResult};
+use crate::link::texts::TextChunks;
 use crate::link::time::Time;
 use crate::mission::Item;
 
@@ -97,6 +98,8 @@ pub struct Session<'a> {
     place: Option<LatLon>,
     differences: Vec<Difference>,
     texts: Vec<String>,
+    /// Texts that come in pieces.
+    chunks: TextChunks,
     /// Text of the vehicle on a mission that it holds and will not fly.
     rejection: Option<String>,
     /// Since when the vehicle has been answering our MAVLink 2 in MAVLink 1.
@@ -164,6 +167,7 @@ impl<'a> Session<'a> {
             place: None,
             differences: Vec::new(),
             texts: Vec::new(),
+            chunks: TextChunks::default(),
             rejection: None,
             old_since: None,
             version: Version::Two,
@@ -178,14 +182,10 @@ impl<'a> Session<'a> {
         }
         match message {
             Message::Heartbeat(heartbeat) => self.heartbeat(now, from, *heartbeat),
-            Message::StatusText { text, .. } => {
-                if self.is_of_autopilot(from)
-                    && self.texts.last() != Some(text)
-                    && self.texts.len() < MAX_TEXTS
-                {
-                    self.texts.push(text.clone());
-                }
-                self.look_for_rejection(from, text);
+            Message::StatusText { text, .. } => self.text(from, text),
+            Message::TextChunk(chunk) if self.is_of_autopilot(from) => {
+                self.chunks.take(now, from, chunk);
+                self.whole_texts(now);
             }
             Message::AutopilotVersion {
                 flight_software, ..
@@ -202,6 +202,7 @@ impl<'a> Session<'a> {
                 }
             }
             Message::AutopilotVersion { .. }
+            | Message::TextChunk(_)
             | Message::MissionCurrent { .. }
             | Message::HomePosition { .. }
             | Message::Flight(_) => {}
@@ -247,6 +248,7 @@ impl<'a> Session<'a> {
         if self.report.is_some() {
             return;
         }
+        self.whole_texts(now);
         if now >= self.heartbeat_due {
             self.heartbeat_due = now + HEARTBEAT_MS;
             self.outbox.push_back(Message::Heartbeat(Heartbeat::OURS));

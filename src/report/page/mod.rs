@@ -352,16 +352,21 @@ fn cards(shown: &[Ranked<'_>]) -> String {
         let _ = write!(
             html,
             "<button type=\"button\" class=\"card {}\" data-row=\"{row}\"><span class=\"what\">{}</span>\
-             <span class=\"value\">{}</span><span class=\"limit\">{}{}</span>\
+             <span class=\"value{}\">{}</span><span class=\"limit\">{}{}</span>\
              <span class=\"who\">{}</span><span class=\"when\">{}</span></button>",
             if margin.ok { "ok" } else { "bad" },
             escaped(&margin.limit.to_string()),
+            if margin.unit == words::IN_WORDS {
+                " words"
+            } else {
+                ""
+            },
             figure(&words::value(margin), known),
             if margin.ok || !known { "" } else { "must be " },
             escaped(&if known {
                 words::limit(margin)
             } else {
-                margin.note.clone()
+                words::note(margin).to_owned()
             }),
             escaped(&words::who(margin)),
             moment(entry),

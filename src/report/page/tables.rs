@@ -30,10 +30,9 @@ fn margin_row(row: usize, entry: &Ranked<'_>) -> String {
     } else {
         LAST
     };
-    let note = if margin.note.is_empty() {
-        String::new()
-    } else {
-        format!("<small>{}</small>", escaped(&margin.note))
+    let note = match words::note(margin) {
+        "" => String::new(),
+        note => format!("<small>{}</small>", escaped(note)),
     };
     format!(
         "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\

@@ -19,23 +19,23 @@ pub enum AlarmKind {
     Threat,
     /// Outside of the tube around the plan that was verified.
     Corridor,
-    /// No position, one that stands still or jumps, or no position fix.
+    /// No position, one that stands still or jumps, no position fix, or the GPS is not reported any more.
     Position,
-    /// The battery is below its reserve.
+    /// The battery is below its reserve, or is not reported any more.
     Battery,
-    /// The position estimate of the autopilot is bad.
+    /// The position estimate of the autopilot is bad, or is not reported any more.
     Ekf,
     /// A text of critical severity.
     Text,
     /// The fence on board is breached.
     Fence,
-    /// The mission on board is another one.
+    /// The mission on board is another one, or the vehicle skips items of it.
     Mission,
     /// The flight mode is another one, and nobody here ordered it.
     Mode,
     /// Nothing is heard of the vehicle.
     Link,
-    /// Later than the verdict assumed.
+    /// Later than the verdict assumed, or taken off earlier.
     Late,
 }
 
@@ -51,23 +51,23 @@ pub struct OnAlarm {
     pub threat: Option<Answer>,
     /// Outside of the tube around the plan that was verified.
     pub corridor: Option<Answer>,
-    /// No position, one that stands still or jumps, or no position fix.
+    /// No position, one that stands still or jumps, no position fix, or the GPS is not reported any more.
     pub position: Option<Answer>,
-    /// The battery is below its reserve.
+    /// The battery is below its reserve, or is not reported any more.
     pub battery: Option<Answer>,
-    /// The position estimate of the autopilot is bad.
+    /// The position estimate of the autopilot is bad, or is not reported any more.
     pub ekf: Option<Answer>,
     /// A text of critical severity.
     pub text: Option<Answer>,
     /// The fence on board is breached.
     pub fence: Option<Answer>,
-    /// The mission on board is another one.
+    /// The mission on board is another one, or the vehicle skips items of it.
     pub mission: Option<Answer>,
     /// The flight mode is another one, and nobody here ordered it.
     pub mode: Option<Answer>,
     /// Nothing is heard of the vehicle; `on_link_loss` is another word for it.
     pub link: Option<Answer>,
-    /// Later than the verdict assumed.
+    /// Later than the verdict assumed, or taken off earlier.
     pub late: Option<Answer>,
 }
 

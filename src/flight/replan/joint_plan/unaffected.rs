@@ -1,6 +1,7 @@
 //! Vehicles that keep their present path, or their position, in the joint plan.
 
 use super::JointPlan;
+use crate::flight::replan::doing::Doing;
 use crate::flight::replan::state::VehicleState;
 use crate::geodesy::PlanPoint;
 use crate::mission::{Item, VehicleMission, command};
@@ -9,13 +10,13 @@ use crate::spec::{Autopilot, Vehicle};
 impl JointPlan<'_> {
     /// Adds a vehicle in the air that goes on as it does.
     pub(super) fn add_unaffected(&mut self, state: &VehicleState) {
-        let points = if state.in_mission {
-            state.points()
-        } else {
-            vec![state.here]
+        let points = match state.doing {
+            Doing::Mission => state.points(),
+            Doing::Returns(_) => vec![state.here, state.doing.stays_at(state.here)],
+            Doing::Holds | Doing::Lands | Doing::Other => vec![state.here],
         };
         let last = points.last().copied().unwrap_or(state.here);
-        let lands = state.lands && state.in_mission;
+        let lands = state.lands && state.in_mission();
         let departure = state.departure(self.given.now_s);
         self.add(state, (state.here, last), lands, departure);
         let (rows, items) = state.items_ahead(&self.world.frame).into_iter().unzip();

@@ -17,9 +17,10 @@ const CURRENT_ITEM: f32 = 42.0;
 /// Those in which it reports its health, and the time between two of each, microseconds: `SYS_STATUS`,
 /// `GPS_RAW_INT`, `BATTERY_STATUS`, then of ArduPilot `FENCE_STATUS` and `EKF_STATUS_REPORT`, of PX4
 /// `ESTIMATOR_STATUS`. A stock ArduPilot sends none of them unasked.
-const HEALTH: [f32; 3] = [1.0, 24.0, 147.0];
-const ARDUPILOT_HEALTH: [f32; 2] = [162.0, 193.0];
-const PX4_HEALTH: [f32; 1] = [230.0];
+const SYS_STATUS: u32 = 1;
+const HEALTH: [u32; 3] = [SYS_STATUS, 24, 147];
+const ARDUPILOT_HEALTH: [u32; 2] = [162, 193];
+const PX4_HEALTH: [u32; 1] = [230];
 const HEALTH_US: f32 = 500_000.0;
 /// A current item that was not said for this long is requested again, milliseconds.
 const STALE_MS: u64 = 3000;
@@ -180,16 +181,18 @@ impl FlightVehicle<'_> {
         } else if is_ready {
             ask(streams(CURRENT_ITEM));
         }
-        if is_ready || self.health_at.is_none_or(|at| now - at > STALE_MS) {
-            let own: &[f32] = match autopilot {
-                Autopilot::ArduPilot => &ARDUPILOT_HEALTH,
-                Autopilot::Px4 => &PX4_HEALTH,
-            };
-            for id in HEALTH.iter().chain(own) {
-                ask(Command::new(
-                    Command::SET_MESSAGE_INTERVAL,
-                    [*id, HEALTH_US],
-                ));
+        let own: &[u32] = match autopilot {
+            Autopilot::ArduPilot => &ARDUPILOT_HEALTH,
+            Autopilot::Px4 => &PX4_HEALTH,
+        };
+        let is_old = |at: &Time| now - *at > STALE_MS;
+        let all = is_ready || self.health_at.get(&SYS_STATUS).is_none_or(is_old);
+        for id in HEALTH.iter().chain(own) {
+            // One that never came may be none that it has.
+            if all || self.health_at.get(id).is_some_and(is_old) {
+                #[expect(clippy::cast_precision_loss, reason = "ids of messages have 24 bits")]
+                let id = *id as f32;
+                ask(Command::new(Command::SET_MESSAGE_INTERVAL, [id, HEALTH_US]));
             }
         }
     }

@@ -2,18 +2,20 @@
 
 use super::{AIRBORNE_M, FlightVehicle, Stage};
 use crate::autopilot::Version;
+use crate::flight::event::says;
 use crate::flight::record::Fix;
 use crate::flight::session::command::pending::is_for;
 use crate::flight::session::modes;
-use crate::link::{
-    AUTOPILOT_INVALID, Address, FlightMessage, Health, Heartbeat, Message, Position, Time,
-};
+use crate::link::{AUTOPILOT_INVALID, Address, FlightMessage, Heartbeat, Message, Position, Time};
 use crate::mission::Home;
 
 /// A vehicle that is so much higher than its home by its altitude, or so far from it, has taken off, metres:
 /// more than positions, homes and a takeoff run may be off.
 const UP_M: f64 = 15.0;
 const AWAY_M: f64 = 150.0;
+/// One that waits for its start has taken off if it is so much higher than its home, by its height above it and
+/// by its altitude, metres: both drift on the ground.
+const STARTED_M: f64 = 5.0;
 
 impl FlightVehicle<'_> {
     /// Takes in a message of this vehicle. `flight_ms` is the fleet's clock, `t0_ms` its T0.
@@ -32,6 +34,9 @@ impl FlightVehicle<'_> {
             return;
         }
         self.now = now;
+        if let Message::TextChunk(chunk) = message {
+            self.texts.chunks.take(now, from, chunk);
+        }
         if let Message::Heartbeat(beat) = message
             && self.is_autopilot(from, *beat)
         {
@@ -43,7 +48,7 @@ impl FlightVehicle<'_> {
             {
                 self.take_text(
                     *severity,
-                    &format!("component {} says: {text}", from.component),
+                    &format!("component {} {}", from.component, says(text)),
                 );
             }
             return;
@@ -91,10 +96,10 @@ impl FlightVehicle<'_> {
                 self.warn(text);
             }
             Message::StatusText { severity, text } if t0_ms.is_some() => {
-                self.take_text(*severity, &format!("says: {text}"));
+                self.take_text(*severity, &says(text));
             }
-            Message::Flight(FlightMessage::Health(Health::System(_))) => {
-                self.health_at = Some(now);
+            Message::Flight(FlightMessage::Health(health)) => {
+                self.health_at.insert(health.id(), now);
             }
             Message::Flight(message) => self.flight_message(now, flight_ms, t0_ms, t_s, message),
             _ => {}
@@ -217,6 +222,9 @@ impl FlightVehicle<'_> {
         if is_up && !self.rests_on_ground(fix) {
             self.heed_takeoff();
         }
+        if t0_ms.is_some() {
+            self.heed_early_start(position.above_home_m(), &fix);
+        }
         if matches!(
             self.stage,
             Stage::Flying | Stage::Starting | Stage::Rejoining { .. }
@@ -228,6 +236,15 @@ impl FlightVehicle<'_> {
             if fix.t_s >= 0.0 {
                 self.record_fix(fix);
             }
+        }
+    }
+
+    /// Whether it did not wait for its start: from then on it is one that flies.
+    fn heed_early_start(&mut self, above_home_m: f64, fix: &Fix) {
+        let home_m = f64::from(self.of.mission.home.amsl_m);
+        let up_m = above_home_m.min(fix.amsl.0 - home_m);
+        if matches!(self.stage, Stage::Armed) && up_m > STARTED_M {
+            self.stage = Stage::Flying;
         }
     }
 

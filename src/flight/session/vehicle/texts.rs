@@ -1,7 +1,7 @@
 //! Texts and positions of a vehicle that are not recorded: too many, or impossible.
 
 use super::FlightVehicle;
-use crate::link::{Position, Time};
+use crate::link::{Position, TextChunks, Time};
 
 /// Texts of one vehicle that are recorded within a period, of each of two classes.
 const MAX_TEXTS: u32 = 20;
@@ -10,16 +10,18 @@ const PERIOD_MS: u64 = 10_000;
 /// `MAV_SEVERITY_ERROR`: texts up to this have a quota of their own.
 const ERROR: u8 = 3;
 
-/// A limit on the rate of the texts of one vehicle.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TextLimit {
+/// The texts of one vehicle, and a limit on their rate.
+#[derive(Debug, Default)]
+pub(crate) struct Texts {
+    /// Those that come in pieces.
+    pub(crate) chunks: TextChunks,
     since: Time,
     /// Texts in this period: errors, and others.
     taken: [u32; 2],
     dropped: u32,
 }
 
-impl TextLimit {
+impl Texts {
     /// Whether a text is within the limit.
     fn passes(&mut self, severity: u8) -> bool {
         let taken = &mut self.taken[usize::from(severity > ERROR)];
@@ -35,10 +37,7 @@ impl TextLimit {
             return None;
         }
         let sentence = self.sentence();
-        *self = Self {
-            since: now,
-            ..Self::default()
-        };
+        (self.since, self.taken, self.dropped) = (now, [0, 0], 0);
         sentence
     }
 

@@ -1,7 +1,7 @@
 //! The lists in turn: sent or cleared, read back, compared, sent again.
 
-use super::{ORDER, Session, Stage};
-use crate::link::message::{AUTOPILOT_GENERIC, Address, List, MissionResult, Route};
+use super::{MAX_TEXTS, ORDER, Session, Stage};
+use crate::link::message::{AUTOPILOT_GENERIC, Address, List, Message, MissionResult, Route};
 use crate::link::time::Time;
 use crate::link::transfer::clear::Clear;
 use crate::link::transfer::download::DownloadError;
@@ -217,9 +217,27 @@ impl<'a> Session<'a> {
         }
     }
 
+    /// Takes in what the vehicle says.
+    pub(crate) fn text(&mut self, from: Address, text: &str) {
+        let is_new = self.texts.last().is_none_or(|last| last != text);
+        if self.is_of_autopilot(from) && is_new && self.texts.len() < MAX_TEXTS {
+            self.texts.push(text.to_owned());
+        }
+        self.look_for_rejection(from, text);
+    }
+
+    /// The same of texts that came in pieces.
+    pub(crate) fn whole_texts(&mut self, now: Time) {
+        while let Some((from, message)) = self.chunks.poll(now) {
+            if let Message::StatusText { text, .. } = message {
+                self.text(from, &text);
+            }
+        }
+    }
+
     /// PX4 checks a mission after confirming it, and reports only as text that it will not
     /// fly it. Earlier texts are about the mission that it held before.
-    pub(crate) fn look_for_rejection(&mut self, from: Address, text: &str) {
+    fn look_for_rejection(&mut self, from: Address, text: &str) {
         // Its acknowledgement may be lost.
         let is_out = matches!(&self.stage, Stage::Working(task) if task.is_all_sent());
         let is_mission = ORDER.get(self.at) == Some(&List::Mission);
