@@ -388,6 +388,32 @@ fn a_vehicle_that_is_held_up_is_late_and_the_conflict_that_follows_is_foretold()
 }
 
 #[test]
+fn a_conflict_of_one_that_gets_on_ever_more_slowly_is_foretold_by_how_it_flies() {
+    let mut fleet = crossing();
+    fleet[1].depart_s = 80.0;
+    let plan = plan(fleet, OnLinkLoss::Continue);
+    let mut sky = sky(&plan);
+    sky.fly_to(24.0);
+    // It gets on at a third of its speed.
+    let wind = Wind {
+        from_rad: 90_f64.to_radians(),
+        speed_mps: 12.0,
+    };
+    sky.vehicles[0].fail(Fault::Wind {
+        wind,
+        airspeed_mps: 17.4,
+    });
+    sky.fly_out();
+    let apart = alarms(&sky, AlarmKind::Separation);
+    let find = |what: &str| apart.iter().find(|(_, _, text)| text.contains(what));
+    let foretold = find("will be").expect("foretold");
+    let measured = find("m away (at least").expect("measured");
+    assert!(foretold.0 + 20.0 < measured.0, "{apart:?}");
+    assert!(foretold.2.contains("alpha"), "{apart:?}");
+    assert!(foretold.2.contains("slower than planned"), "{apart:?}");
+}
+
+#[test]
 fn an_alarm_is_in_the_record_with_its_end() {
     let plan = two_with(OnAlarm::default());
     let mut sky = sky(&plan);

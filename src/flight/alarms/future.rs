@@ -18,6 +18,8 @@ const AHEAD_S: f64 = 15.0;
 const STAYS_S: f64 = 600.0;
 /// Slower than this it stays, m/s.
 pub(super) const SLOW_MPS: f64 = 1.5;
+/// Who is slower than planned is looked at for this long, seconds: it may get faster.
+const SLOWLY_S: f64 = 120.0;
 /// Error of a shift of one vehicle against another, seconds.
 const SHIFT_ERROR_S: f64 = 3.0;
 
@@ -26,6 +28,15 @@ pub(super) struct Future {
     pub(super) segments: Vec<Segment>,
     /// How late it is; none for one that is not on its plan.
     late_s: Option<f64>,
+    /// Whether it goes on as slowly as now, and not as planned.
+    is_slow: bool,
+}
+
+/// How a vehicle that is late goes on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pace {
+    AsPlanned,
+    AsNow,
 }
 
 impl Alarms<'_> {
@@ -77,13 +88,21 @@ impl Alarms<'_> {
 
     /// Conflicts that will be, by what the vehicles fly now.
     pub(super) fn look_ahead(&mut self, t_s: f64) {
-        let futures: Vec<Option<Future>> = (0..self.vehicles.len())
-            .map(|index| self.future(t_s, index))
+        let is_slow = self.vehicles.iter().any(|of| of.tube.pace() < 1.0);
+        let paces = [Pace::AsPlanned, Pace::AsNow].into_iter();
+        let futures: Vec<Vec<Option<Future>>> = paces
+            .take(1 + usize::from(is_slow))
+            .map(|pace| {
+                let all = 0..self.vehicles.len();
+                all.map(|index| self.future_at(t_s, index, pace)).collect()
+            })
             .collect();
-        for first in 0..futures.len() {
-            for second in first + 1..futures.len() {
-                let pair = futures[first].as_ref().zip(futures[second].as_ref());
-                let text = pair.and_then(|(a, b)| self.conflict((first, a), (second, b), t_s));
+        for first in 0..self.vehicles.len() {
+            for second in first + 1..self.vehicles.len() {
+                let text = futures.iter().find_map(|of| {
+                    let (a, b) = of[first].as_ref().zip(of[second].as_ref())?;
+                    self.conflict((first, a), (second, b), t_s)
+                });
                 let key = (AlarmKind::Separation, first, Some(second), "predicted");
                 self.set(t_s, key, text);
             }
@@ -92,6 +111,10 @@ impl Alarms<'_> {
 
     /// Where a vehicle will be: on its plan as late as it is now, or straight on.
     pub(super) fn future(&self, t_s: f64, index: usize) -> Option<Future> {
+        self.future_at(t_s, index, Pace::AsPlanned)
+    }
+
+    fn future_at(&self, t_s: f64, index: usize, pace: Pace) -> Option<Future> {
         let of = &self.vehicles[index];
         if of.duty.is_over {
             return None;
@@ -110,13 +133,18 @@ impl Alarms<'_> {
             of.tube.late_s.unwrap_or(0.0)
         };
         let planned_s = here.fix.t_s - late_s;
+        let share = match pace {
+            Pace::AsNow if !stands => of.tube.pace(),
+            _ => 1.0,
+        };
         let ahead = of.plan.waypoints.iter();
         let item = here.fix.item;
         let ahead = ahead.filter(|w| (stands || w.item >= item) && w.t_s > planned_s);
         let mut segments = Vec::new();
         let mut from = at;
         for waypoint in ahead {
-            let to = (waypoint.t_s + late_s, axes(&waypoint.point));
+            let after_s = (waypoint.t_s - planned_s) / share;
+            let to = (here.fix.t_s + after_s, axes(&waypoint.point));
             segments.push(Segment::between(from, to));
             from = to;
         }
@@ -127,6 +155,7 @@ impl Alarms<'_> {
             segments,
             // Before it flies it is as late as it was let go.
             late_s: Some(late_s),
+            is_slow: share < 1.0,
         })
     }
 
@@ -141,7 +170,8 @@ impl Alarms<'_> {
         if !one.duty.flies && !two.duty.flies {
             return None;
         }
-        if let (Some(late_s), Some(other_s)) = (a.late_s, b.late_s) {
+        let are_slow = a.is_slow || b.is_slow;
+        if let (Some(late_s), Some(other_s), false) = (a.late_s, b.late_s, are_slow) {
             let late = |of: &Watched<'_>| {
                 let item = of.here.map_or(0, |here| here.fix.item);
                 let all_s = assumed_late_s(of, item);
@@ -158,7 +188,7 @@ impl Alarms<'_> {
         }
         let limit = self.distance_limit();
         let (value, at_s) = nearest(&a.segments, &b.segments, &limit, 0.0)?;
-        if value >= limit.distance_m || at_s < t_s {
+        if value >= limit.distance_m || at_s < t_s || are_slow && at_s > t_s + SLOWLY_S {
             return None;
         }
         let id = &two.vehicle.id;
@@ -166,6 +196,9 @@ impl Alarms<'_> {
         let why = [(one, a), (two, b)].map(|(of, future)| {
             let id = &of.vehicle.id;
             match future.late_s {
+                Some(late_s) if future.is_slow => {
+                    format!("{id} {late_s:.0} s late and slower than planned")
+                }
                 Some(late_s) if late_s >= 0.5 => format!("{id} {late_s:.0} s late"),
                 Some(late_s) if late_s <= -0.5 => format!("{id} {:.0} s early", -late_s),
                 Some(_) => format!("{id} on time"),
@@ -193,6 +226,7 @@ fn straight_on((t_s, at_m): (f64, [f64; 3]), velocity_mps: [f64; 3]) -> Future {
     Future {
         segments: vec![Segment::between((t_s, at_m), to)],
         late_s: None,
+        is_slow: false,
     }
 }
 

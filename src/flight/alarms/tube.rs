@@ -1,5 +1,7 @@
 //! Whether a vehicle is where and when the verdict has it: corridor, clearance, lateness.
 
+use std::collections::VecDeque;
+
 use super::breach::{Depth, error_m};
 use super::{Alarms, Here, Watched};
 use crate::autopilot::{Autopilot, command, facts};
@@ -13,6 +15,9 @@ use crate::spec::{Airframe, AlarmKind, Vehicle};
 
 /// Error of lateness, seconds: positions are off, and plans linear between waypoints.
 pub(super) const LATE_ERROR_S: f64 = 3.0;
+/// How fast a vehicle gets on is measured over this time, seconds, and is at least this share of planned.
+const PACE_S: f64 = 10.0;
+const LEAST_PACE: f64 = 0.1;
 /// Legs this much farther than the nearest may be the one that is flown, metres.
 const ALIKE_M: f64 = 10.0;
 /// A vehicle that is nearer than this to a waypoint may stand still, metres.
@@ -40,6 +45,10 @@ pub(super) struct TubeWatch {
     landing_m: f64,
     /// How late it is, seconds, if it is on its plan.
     pub(super) late_s: Option<f64>,
+    /// How it has fallen behind during the last seconds: times and lateness.
+    fallen: VecDeque<(f64, f64)>,
+    /// Whether its lateness is an alarm.
+    is_late: bool,
     /// Whether it is outside of the tube.
     pub(super) is_off: bool,
     /// Its first position.
@@ -61,6 +70,8 @@ impl TubeWatch {
             takeoff: TakeoffTube::of(vehicle, plan),
             landing_m: landing_column_m(vehicle, plan),
             late_s: None,
+            fallen: VecDeque::new(),
+            is_late: false,
             is_off: false,
             first: None,
         }
@@ -71,6 +82,28 @@ impl TubeWatch {
     pub(super) fn slip_s(&mut self, fix: &Fix) -> f64 {
         let first = self.first.get_or_insert(*fix);
         first.slip_s(fix)
+    }
+
+    /// How fast it gets on with its plan now, as a share of planned: of one that is late and falls behind, else 1.
+    pub(super) fn pace(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.fallen.front(), self.fallen.back()) else {
+            return 1.0;
+        };
+        let lasted_s = last.0 - first.0;
+        if !self.is_late || lasted_s < 0.8 * PACE_S {
+            return 1.0;
+        }
+        (1.0 - (last.1 - first.1) / lasted_s).clamp(LEAST_PACE, 1.0)
+    }
+
+    fn remember(&mut self, t_s: f64, late_s: Option<f64>) {
+        let Some(late_s) = late_s else {
+            return self.fallen.clear();
+        };
+        self.fallen.push_back((t_s, late_s));
+        while self.fallen.front().is_some_and(|of| t_s - of.0 > PACE_S) {
+            self.fallen.pop_front();
+        }
     }
 
     /// Whether it takes off or lands, where neither minimum height nor legs count.
@@ -184,6 +217,7 @@ impl Alarms<'_> {
             let assumed_s = assumed_late_s(of, here.fix.item);
             let most_s = assumed_s + slack_s + LATE_ERROR_S;
             let own_s = of.tube.late_s.map(|late_s| late_s - slip_s);
+            of.tube.remember(here.fix.t_s, own_s);
             let late = own_s.filter(|late_s| *late_s > most_s);
             let late = late.map(|late_s| {
                 format!("{late_s:.0} s behind its plan (the verdict assumed at most {most_s:.0} s)")
@@ -192,7 +226,7 @@ impl Alarms<'_> {
         } else {
             (None, None)
         };
-        of.tube.is_off = corridor.is_some();
+        (of.tube.is_off, of.tube.is_late) = (corridor.is_some(), late.is_some());
         let is_below = |limit_m: f64| is_due && here.agl_m < limit_m;
         let depth = Depth::of(
             is_below(min_agl_m),
