@@ -186,6 +186,9 @@ fn items_that_are_flown_unheard_or_after_others_are_not_said_to_be_skipped() {
     for id in ["alpha", "bravo"] {
         assert_eq!(count(&sky, id, "skips"), 0, "{:?}", sky.events);
     }
+    let text = "ALARM mission: goes back: it flies to item 3 of 6 again, after item 4";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "bravo", "goes back"), 0, "{:?}", sky.events);
 }
 
 /// Vehicle 1 says a text in pieces, in an order; some may be missing. One that is no piece has no id.

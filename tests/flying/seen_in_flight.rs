@@ -205,3 +205,18 @@ fn who_is_not_at_the_height_of_its_home_by_its_position_is_not_started() {
         assert!(why.iter().any(|(_, of)| of.contains(&text)), "{why:?}");
     }
 }
+
+#[test]
+fn a_vehicle_that_leaves_its_hold_to_land_by_itself_is_an_alarm_that_names_the_mode() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(50.0);
+    sky.fleet.intervene(sky.now, Intervention::Hold);
+    sky.fly_to(70.0);
+    assert!(sky.says("alpha", "holds"), "{:?}", sky.events);
+    sky.order(0, Command::LAND);
+    sky.fly_to(74.0);
+    let text = "ALARM mode: left its hold for LAND, and is not ordered again";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "bravo", "ALARM"), 0, "{:?}", sky.events);
+}

@@ -137,6 +137,10 @@ impl Onboard {
     }
 
     fn beat(&mut self, t_s: f64, beat: Heartbeat, mission: &VehicleMission) {
+        if !beat.is_armed() && self.was_in_mission {
+            // PX4 goes back to its last mode when its motors stop.
+            return;
+        }
         let before = self.beat.replace(beat);
         let is_new = before.is_none_or(|before| before.custom_mode != beat.custom_mode);
         let is_in_mission = modes::is_mission(mission, beat.custom_mode);

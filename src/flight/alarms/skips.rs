@@ -1,15 +1,18 @@
-//! A vehicle that goes on to a later item of its mission without having flown those before it: another station, a
-//! pilot or the vehicle itself set it. The way from where it is to that item is not verified.
+//! A vehicle that goes on to a later item of its mission without having flown those before it, or back to an earlier one:
+//! another station, a pilot or the vehicle itself set it. The way from where it is to that item is not verified.
 
 use super::{Alarms, Here, Watched};
 use crate::flight::conformance::reference::Waypoint;
 use crate::flight::conformance::takeoff::at_its_fastest;
 use crate::geodesy::PlanPoint;
 use crate::link::Message;
+use crate::mission::{Item, command};
 use crate::spec::AlarmKind;
 
 /// A waypoint may be passed this long before the vehicle was last said to fly to it, seconds.
 const BEFORE_S: f64 = 3.0;
+/// An earlier row that it flies to for this long is no message that came late, seconds.
+const BACK_S: f64 = 2.0;
 /// Unheard, a vehicle may be faster than planned by this share.
 const FASTER: f64 = 1.5;
 
@@ -23,6 +26,8 @@ pub(super) struct Skips {
     /// When its last position came, and whether positions were missing since it last said its row.
     position_s: f64,
     has_gap: bool,
+    /// Since when it has said that it flies to an earlier row, seconds after T0.
+    back_s: Option<f64>,
 }
 
 impl Skips {
@@ -93,6 +98,11 @@ impl Watched<'_> {
         }
         self.skips.has_gap |= t_s - self.skips.position_s > stale_s;
         let before = self.skips.row.map_or(row, |(before, ..)| before);
+        let since_s = (row < before).then(|| self.skips.back_s.unwrap_or(t_s));
+        self.skips.back_s = since_s;
+        if since_s.is_some_and(|since_s| t_s - since_s < BACK_S) {
+            return None;
+        }
         let skipped = self.ahead().filter(|(_, of)| {
             let is_between = (before..row).contains(&of.item);
             // Of an item with several places, such as a landing, one is enough.
@@ -106,12 +116,19 @@ impl Watched<'_> {
         }
         self.skips.row = Some((row, t_s, here.point));
         self.skips.has_gap = false;
+        let all = self.onboard.items();
+        if row < before {
+            self.skips.back_s = None;
+            let text =
+                format!("goes back: it flies to item {row} of {all} again, after item {before}");
+            let jumps = |of: &Item| [command::DO_JUMP, command::DO_JUMP_TAG].contains(&of.command);
+            return (!self.mission.items.iter().any(jumps)).then_some(text);
+        }
         let what = match items.as_slice() {
             [] => return None,
             [one] => format!("item {one}"),
             [first, .., last] => format!("items {first} to {last}"),
         };
-        let all = self.onboard.items();
         Some(format!("skips {what}: it flies to item {row} of {all}"))
     }
 }

@@ -24,6 +24,8 @@ const REPORTED_AGAIN_S: f64 = 30.0;
 const CIRCLE_S: f64 = 120.0;
 /// A copter that is farther than this from where it held has left it, metres.
 const LEFT_M: f64 = 10.0;
+/// Farther than this from where it may return to, a vehicle that lands does not return, metres.
+const RETURNED_M: f64 = 150.0;
 
 /// A wing is at most so much wider than its circle in wind; the radius where it is not known, metres.
 const WIDE_CIRCLE: f64 = 1.5;
@@ -100,6 +102,7 @@ impl FlightVehicle<'_> {
             let text = format!("does not hold any more: {why}");
             return self.said.push_back(text);
         }
+        self.heed_left_hold(in_mode);
         self.holds = if self.of.mission.airframe.has_wing() {
             self.has_circled(fix, in_mode)
         } else {
@@ -111,6 +114,19 @@ impl FlightVehicle<'_> {
         }
         self.order_again(in_mode, modes::hold(self.of.mission));
         self.report_missing_hold(t_s, fix, in_mode);
+    }
+
+    /// A hold that it was seen in, and left for another mode than its mission, is left by somebody, or by itself.
+    fn heed_left_hold(&mut self, in_mode: bool) {
+        let has_left = self.hold.was_in_mode && !in_mode && !self.in_mission;
+        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        if has_left && !self.hold.has_left {
+            self.hold.left_order = mode.map(|mode| {
+                let name = modes::name(self.of.mission, mode);
+                format!("left its hold for {name}, and is not ordered again")
+            });
+        }
+        self.hold.has_left = has_left;
     }
 
     /// How far from where it held first it has left it, metres: a wing is on its circle anywhere.
@@ -199,8 +215,10 @@ impl FlightVehicle<'_> {
             Some(Instruction::Land) => (modes::land(mission), lands, "landing"),
             // At the end of a return an autopilot may change to its landing.
             Some(Instruction::Return) => {
+                let (home_m, rally_m) = self.away_from_returns_m(fix);
+                let is_there = home_m.min(rally_m) <= RETURNED_M;
                 let order = modes::return_to_launch(mission);
-                (Some(order), lands || returns, "return")
+                (Some(order), returns || lands && is_there, "return")
             }
             Some(Instruction::Hold) | None => return,
         };

@@ -257,7 +257,10 @@ impl FlightVehicle<'_> {
 
     fn heartbeat(&mut self, beat: Heartbeat, t_s: f64) {
         let was = self.in_mission;
-        self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
+        // PX4 goes back to its last mode when its motors stop.
+        if beat.is_armed() || !matches!(self.stage, Stage::Flying) {
+            self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
+        }
         let has_stopped = self.has_stopped(beat.is_armed(), t_s);
         match self.stage {
             Stage::Flying if has_stopped => self.stopped(beat.custom_mode),
