@@ -357,20 +357,24 @@ fn crossing() -> Vec<Spec> {
     fleet
 }
 
-#[test]
-fn a_vehicle_that_is_held_up_is_late_and_the_conflict_that_follows_is_foretold() {
-    let plan = plan(crossing(), OnLinkLoss::Continue);
-    let mut sky = sky(&plan);
-    // A gale from the front that it was not planned for.
-    sky.fly_to(20.0);
+/// A gale from the front that the first vehicle was not planned for.
+fn slow_down(sky: &mut Sky<'_>, speed_mps: f64) {
     let wind = Wind {
         from_rad: 90_f64.to_radians(),
-        speed_mps: 9.0,
+        speed_mps,
     };
     sky.vehicles[0].fail(Fault::Wind {
         wind,
         airspeed_mps: 17.4,
     });
+}
+
+#[test]
+fn a_vehicle_that_is_held_up_is_late_and_the_conflict_that_follows_is_foretold() {
+    let plan = plan(crossing(), OnLinkLoss::Continue);
+    let mut sky = sky(&plan);
+    sky.fly_to(20.0);
+    slow_down(&mut sky, 9.0);
     sky.fly_out();
     let late = alarms(&sky, AlarmKind::Late);
     assert!(
@@ -395,14 +399,7 @@ fn a_conflict_of_one_that_gets_on_ever_more_slowly_is_foretold_by_how_it_flies()
     let mut sky = sky(&plan);
     sky.fly_to(24.0);
     // It gets on at a third of its speed.
-    let wind = Wind {
-        from_rad: 90_f64.to_radians(),
-        speed_mps: 12.0,
-    };
-    sky.vehicles[0].fail(Fault::Wind {
-        wind,
-        airspeed_mps: 17.4,
-    });
+    slow_down(&mut sky, 12.0);
     sky.fly_out();
     let apart = alarms(&sky, AlarmKind::Separation);
     let find = |what: &str| apart.iter().find(|(_, _, text)| text.contains(what));

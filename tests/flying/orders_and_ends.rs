@@ -31,7 +31,7 @@ fn beat(message: &mut Message, change: impl Fn(&mut Heartbeat)) {
     }
 }
 
-fn position(message: &mut Message, change: impl Fn(&mut Position)) {
+pub(super) fn position(message: &mut Message, change: impl Fn(&mut Position)) {
     if let Message::Flight(FlightMessage::Position(position)) = message {
         change(position);
     }

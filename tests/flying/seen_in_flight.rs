@@ -5,18 +5,13 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use super::flight_truth::{ARMED, change, count, sky, two};
+use super::orders_and_ends::position;
 use crate::support::place;
 use crate::support::sky::{Sky, lane, plan};
 use sortie::flight::*;
 use sortie::geodesy::Agl;
 use sortie::link::*;
 use sortie::spec::{EndPoint, OnLinkLoss, Placement, Stop};
-
-fn position(message: &mut Message, change: impl Fn(&mut Position)) {
-    if let Message::Flight(FlightMessage::Position(position)) = message {
-        change(position);
-    }
-}
 
 /// A vehicle with a stop of 30 s, which another station sends on as it comes there, and which says that it reached it.
 #[test]

@@ -10,7 +10,8 @@ const FASTEST_MPS: f64 = 100.0;
 const ERROR_M: f64 = 20.0;
 /// Two whose clocks differ by less may be one that is heard over two ways, unless they are apart.
 const APART_M: f64 = 100.0;
-/// Changes from one to the other that show two, with at most this many positions between two changes.
+/// So often positions change from one to the other before they count as those of two vehicles, with at most this many
+/// positions between two changes.
 const CHANGES: u8 = 6;
 const BETWEEN: u8 = 20;
 

@@ -16,7 +16,8 @@ const HIGH_M: f64 = 10.0;
 /// A vehicle that has come to rest on the ground stops its motors within this time, seconds; slower than this
 /// it rests, m/s, and moves up and down by less, metres.
 const RUNS_ON_S: f64 = 30.0;
-/// Nobody flies so low above the ground but where it puts a load down, metres; for so long, seconds, it stands.
+/// A vehicle that has flown and is lower than this over the ground, metres, is on it after this time, seconds; but where it
+/// puts a load down.
 const GROUND_M: f64 = 2.0;
 const STANDS_S: f64 = 2.0;
 const RESTS_MPS: f64 = 0.5;
@@ -42,8 +43,9 @@ pub(crate) struct Motors {
     stood_agl_m: Option<f64>,
     /// Since when it has rested on the ground, seconds after T0, and its altitude there, metres.
     rests: Option<(f64, f64)>,
-    /// Whether it was high above the ground, and since when it has been as low as that again, seconds after T0.
+    /// Whether it was high above the ground.
     was_high: bool,
+    /// Since when it has been as low as the ground again, seconds after T0.
     low_s: Option<f64>,
     /// Whether its motors ran on after that.
     run_on: bool,
@@ -295,7 +297,7 @@ impl FlightVehicle<'_> {
         self.motors.run_on = run_on;
     }
 
-    /// Whether it has come down and stands, or lies, on the ground.
+    /// Whether it has come down and is on the ground.
     pub(crate) fn stands(&self) -> bool {
         let last_s = self.latest.map_or(0.0, |(_, fix)| fix.t_s);
         let low_s = self.motors.low_s.filter(|_| self.airborne);

@@ -46,7 +46,7 @@ pub(super) struct HoldWatch {
     is_reported: bool,
     /// When a hold was last reported missing, seconds after T0.
     reported_s: Option<f64>,
-    /// Whether it has left a landing or a return for another mode, and what is to say of that.
+    /// Whether it has left what it was ordered to do for another mode, and what is to say of that.
     has_left: bool,
     left_order: Option<String>,
     /// Where it held first.
@@ -102,7 +102,7 @@ impl FlightVehicle<'_> {
             let text = format!("does not hold any more: {why}");
             return self.said.push_back(text);
         }
-        self.heed_left_hold(in_mode);
+        self.heed_left("hold", in_mode);
         self.holds = if self.of.mission.airframe.has_wing() {
             self.has_circled(fix, in_mode)
         } else {
@@ -116,14 +116,15 @@ impl FlightVehicle<'_> {
         self.report_missing_hold(t_s, fix, in_mode);
     }
 
-    /// A hold that it was seen in, and left for another mode than its mission, is left by somebody, or by itself.
-    fn heed_left_hold(&mut self, in_mode: bool) {
+    /// An order that it was seen to obey, and left for another mode than its mission: somebody ended it, or the
+    /// vehicle itself.
+    fn heed_left(&mut self, what: &str, in_mode: bool) {
         let has_left = self.hold.was_in_mode && !in_mode && !self.in_mission;
         let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
         if has_left && !self.hold.has_left {
             self.hold.left_order = mode.map(|mode| {
                 let name = modes::name(self.of.mission, mode);
-                format!("left its hold for {name}, and is not ordered again")
+                format!("left its {what} for {name}, and is not ordered again")
             });
         }
         self.hold.has_left = has_left;
@@ -226,14 +227,7 @@ impl FlightVehicle<'_> {
         if let Some(order) = order.filter(|_| self.is_placed()) {
             self.order_again(in_mode, order);
         }
-        let has_left = self.hold.was_in_mode && !in_mode && !self.in_mission;
-        if has_left && !self.hold.has_left {
-            self.hold.left_order = mode.map(|mode| {
-                let (verb, name) = (what, modes::name(mission, mode));
-                format!("left its {verb} for {name}, and is not ordered again")
-            });
-        }
-        self.hold.has_left = has_left;
+        self.heed_left(what, in_mode);
         self.check_headway(fix, in_mode);
         let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
         if self.hold.was_in_mode || self.hold.is_reported || since_s < CONFIRM_S {
