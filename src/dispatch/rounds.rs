@@ -187,4 +187,30 @@ mod tests {
         assert!(is_worth_another(&falling[..MAX_ROUNDS - 1]));
         assert!(!is_worth_another(&falling));
     }
+
+    #[test]
+    fn over_flat_ground_a_copter_flies_hardly_higher_and_nearer_to_a_threat_than_the_tolerance() {
+        let path = std::path::Path::new("missions/first.yaml");
+        let text = include_str!("../../missions/first.yaml").to_owned();
+        let mut spec = crate::spec::SpecFile::parse(path, text)
+            .expect("a shipped mission")
+            .spec;
+        spec.planner.evaluations = 2000;
+        let flat = crate::world::Terrain::Flat(crate::geodesy::Amsl(584.0));
+        let world = World::new(&spec, flat).expect("ground");
+        let done = crate::dispatch::dispatch(&spec, &world, 1, &|_| ());
+        assert!(done.review.passes());
+        assert!(spec.mission.tolerance_m > 4.0);
+        let route = done.plan.vehicles[0].routes[0].points();
+        let middle = route[route.len() / 2];
+        let height_m = middle.amsl.0 - 584.0;
+        assert!(
+            (world.min_agl.0..world.min_agl.0 + 1.0).contains(&height_m),
+            "{height_m}"
+        );
+        let threat = world.threats[0];
+        let away_m = route.iter().map(|point| point.at.distance_m(threat.center));
+        let nearest_m = away_m.fold(f64::INFINITY, f64::min) - threat.radius_m;
+        assert!((0.0..1.0).contains(&nearest_m), "{nearest_m}");
+    }
 }

@@ -5,8 +5,8 @@ use std::collections::{BTreeSet, HashMap};
 use crate::cost::Margins;
 use crate::path::TimedPoint;
 use crate::plan::{FleetPlan, VehiclePlan};
-use crate::spec::MissionSpec;
-use crate::verify::{Margin, Repair, Review};
+use crate::spec::{MissionSpec, Vehicle};
+use crate::verify::{Limit, Margin, Repair, Review};
 use crate::world::World;
 
 /// Buffers and additional samples of the next round.
@@ -20,27 +20,39 @@ pub(super) struct Strictness {
 
 /// Added to a missing distance, so that the next round does not fail by rounding, metres.
 const EXTRA_M: f64 = 1.0;
+/// Buffer of copters in the first round, metres.
+const NEAREST_M: f64 = 0.5;
+/// The least of it for the height above ground, which costs all along the path.
+const HIGHER_M: f64 = 0.25;
+/// How much further from its limits a path is moved that needs too many items.
+const FURTHER: f64 = 3.0;
 /// Least step of a margin that is a fraction.
 const MIN_FRACTION: f64 = 0.02;
 /// Greatest sum of the steps of the slope fraction.
 const MAX_CLIMB_FRACTION: f64 = 0.6;
 
 impl Strictness {
-    /// For the first round. Legs may leave the path by the tolerance: every distance has that
-    /// much as a buffer, and the distance of two vehicles twice as much.
+    /// For the first round. Where legs stay nearer to a path near its limits a part of the tolerance is
+    /// enough as a buffer; else they may leave it by the tolerance, and for the distance of two vehicles
+    /// both may.
     pub(super) fn first(spec: &MissionSpec) -> Self {
         let tolerance_m = spec.mission.tolerance_m;
-        let margins = Margins {
-            clearance_m: tolerance_m,
-            under_m: tolerance_m,
-            threat_m: tolerance_m,
-            separation_m: first_separation_m(spec),
-            ..Margins::default()
+        let margins = |vehicle: &Vehicle| {
+            let margin_m = match spec.passes_limits_closely(vehicle) {
+                true => tolerance_m.min(NEAREST_M),
+                false => tolerance_m,
+            };
+            Margins {
+                clearance_m: margin_m,
+                under_m: margin_m,
+                threat_m: margin_m,
+                separation_m: first_separation_m(spec),
+                ..Margins::default()
+            }
         };
-        let fleet = spec.vehicles.len();
         Self {
-            margins: vec![margins; fleet],
-            parameters: vec![Vec::new(); fleet],
+            margins: spec.vehicles.iter().map(margins).collect(),
+            parameters: vec![Vec::new(); spec.vehicles.len()],
         }
     }
 
@@ -60,6 +72,12 @@ impl Strictness {
         let mut again = BTreeSet::new();
         for margin in review.margins.iter().filter(|margin| !margin.ok) {
             let Some(repair) = margin.limit.repair() else {
+                if margin.limit == Limit::Encoding
+                    && let Some(vehicle) = index(&margin.vehicle)
+                    && self.move_away(vehicle, spec)
+                {
+                    again.insert(vehicle);
+                }
                 continue;
             };
             // The vehicle of lower priority gives way.
@@ -79,6 +97,23 @@ impl Strictness {
         again.into_iter().collect()
     }
 
+    /// Moves the path of a vehicle that needs too many items further from its limits, where legs may
+    /// leave it by more; false where they may leave it by the tolerance.
+    fn move_away(&mut self, vehicle: usize, spec: &MissionSpec) -> bool {
+        let tolerance_m = spec.mission.tolerance_m;
+        let margins = &mut self.margins[vehicle];
+        let mut is_nearer = false;
+        for margin_m in [
+            &mut margins.clearance_m,
+            &mut margins.under_m,
+            &mut margins.threat_m,
+        ] {
+            is_nearer |= *margin_m < tolerance_m;
+            *margin_m = margin_m.max((FURTHER * *margin_m).min(tolerance_m));
+        }
+        is_nearer
+    }
+
     /// Makes the search of one vehicle stricter, unless the violation has no size.
     fn tighten_one(
         &mut self,
@@ -95,9 +130,16 @@ impl Strictness {
         let margins = &mut self.margins[vehicle];
         let fraction = (1.2 * missing / margin.bound.abs().max(1e-9)).clamp(MIN_FRACTION, 0.2);
         match repair {
-            Repair::Clearance => margins.clearance_m += missing + EXTRA_M,
-            Repair::Height => margins.under_m += missing + EXTRA_M,
-            Repair::Obstacle => margins.threat_m += missing + EXTRA_M,
+            Repair::Clearance => {
+                let more_m = missing + (0.5 * margins.clearance_m).clamp(HIGHER_M, EXTRA_M);
+                margins.clearance_m = raised_m(margins.clearance_m, more_m, spec);
+            }
+            Repair::Height => {
+                margins.under_m = raised_m(margins.under_m, missing + EXTRA_M, spec);
+            }
+            Repair::Obstacle => {
+                margins.threat_m = raised_m(margins.threat_m, missing + EXTRA_M, spec);
+            }
             Repair::Separation => {
                 // A greater distance is enough for most pairs, and a time shift costs more in a
                 // dense fleet: the shift is for a pair that a greater distance did not separate.
@@ -118,6 +160,15 @@ impl Strictness {
         }
         true
     }
+}
+
+/// A buffer with more, metres: no less than the tolerance where more was not enough before.
+fn raised_m(margin_m: f64, more_m: f64, spec: &MissionSpec) -> f64 {
+    let least_m = match margin_m > NEAREST_M {
+        true => spec.mission.tolerance_m,
+        false => 0.0,
+    };
+    (margin_m + more_m).max(least_m)
 }
 
 /// Buffer between two vehicles in the first round, metres.

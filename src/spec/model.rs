@@ -94,6 +94,18 @@ impl MissionSpec {
         }
     }
 
+    /// Whether the path of a vehicle may pass its limits nearer than `mission.tolerance_m`, so that
+    /// its legs must stay nearer to it there: that of a copter, but not in a large fleet, which would be
+    /// planned again more often, nor in the published experiment.
+    #[must_use]
+    pub fn passes_limits_closely(&self, vehicle: &Vehicle) -> bool {
+        /// Most vehicles of such a fleet.
+        const MOST: usize = 60;
+        vehicle.airframe == Airframe::Copter
+            && self.vehicles.len() <= MOST
+            && self.planner.objective == Objective::Operational
+    }
+
     /// The least distance that a plan keeps from what a fence encloses: its margin, metres.
     #[must_use]
     pub fn fence_margin_m(&self) -> f64 {

@@ -1,5 +1,6 @@
 //! One vehicle's paths as a mission.
 
+mod clearance;
 pub(super) mod encode;
 pub(super) mod fence;
 pub(super) mod legs;
@@ -14,7 +15,8 @@ use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
 use crate::path::{TimedPoint, VehicleLimits, route_ends};
 use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::world::{Departure, NoData, Stations, World};
+use crate::world::{Departure, Layer, NoData, Stations, World};
+use clearance::strictness;
 use encode::{ENCODING_M, Encoder};
 use legs::{Keep, Point};
 use simplify::waypoints;
@@ -122,6 +124,7 @@ pub fn build_course(
         fleet: spec.vehicles.len(),
     };
     let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
+    let layer = world.layers.get(vehicle).copied().unwrap_or(Layer::OPEN);
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
     let (reference, ground) = (spec.mission.altitude, stations.home.amsl);
@@ -130,6 +133,7 @@ pub fn build_course(
         spec,
         vehicle,
         encoder: &encoder,
+        limits: (world, layer),
     };
     let no_ground = |source| MissionError::NoGround {
         vehicle: vehicle.id.clone(),
@@ -142,10 +146,7 @@ pub fn build_course(
     };
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
-    let (fence, mut notes) = match spec.mission.fence {
-        true => fence::fence(spec, vehicle, &items),
-        false => (Vec::new(), Vec::new()),
-    };
+    let (fence, mut notes) = fenced(spec, vehicle, &items);
     notes.extend(wing::landing_course_note(vehicle, stations));
     let params = parameters(
         vehicle,
@@ -169,6 +170,14 @@ pub fn build_course(
     };
     count(spec, vehicle, &mission)?;
     Ok(mission)
+}
+
+/// The fence of a vehicle that flies some items, if it has one, and what an operator must know of it.
+fn fenced(spec: &MissionSpec, vehicle: &Vehicle, items: &[Item]) -> (Vec<Item>, Vec<String>) {
+    match spec.mission.fence {
+        true => fence::fence(spec, vehicle, items),
+        false => (Vec::new(), Vec::new()),
+    }
 }
 
 /// What can be refused before anything is encoded.
@@ -244,6 +253,8 @@ pub(super) struct ItemWriter<'a> {
     pub(super) spec: &'a MissionSpec,
     pub(super) vehicle: &'a Vehicle,
     pub(super) encoder: &'a Encoder<'a>,
+    /// What its routes keep.
+    limits: (&'a World, Layer),
 }
 
 impl ItemWriter<'_> {
@@ -405,7 +416,10 @@ impl ItemWriter<'_> {
             limits: VehicleLimits::of(&self.vehicle.on_route(number)),
             zero: self.encoder.zero(),
         };
-        let strictness = self.encoder.strictness(route, keep.tolerance_m);
+        let strictness = match self.spec.passes_limits_closely(self.vehicle) {
+            true => strictness(self.limits, route, keep.tolerance_m),
+            false => self.encoder.strictness(route, keep.tolerance_m),
+        };
         Ok(waypoints((&path, &strictness), through, &keep))
     }
 }

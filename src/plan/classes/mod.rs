@@ -16,6 +16,7 @@ pub(super) mod narrow_zones;
 pub(super) mod obstacles;
 pub(super) mod overflights;
 pub(super) mod routes;
+pub(super) mod taut_line;
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};

@@ -9,6 +9,7 @@ pub(super) mod polish;
 pub(super) mod problem;
 pub(super) mod published;
 pub(super) mod seeds;
+mod taut;
 pub(super) mod tighten;
 mod valleys;
 
@@ -111,9 +112,9 @@ pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
         return found_among(context, Vec::new(), 0);
     }
     let found = corridor::or_through_corridors(context, run, search_classes(context, run));
-    let found = overflight::polished_or_overflight(context, found);
+    let found = overflight::polished_or_overflight(context, taut::taut(context, found));
     match corridor::nearer_to_bound(context, run, &found) {
-        Some(nearer) => overflight::polished_or_overflight(context, nearer),
+        Some(nearer) => overflight::polished_or_overflight(context, taut::taut(context, nearer)),
         None => found,
     }
 }

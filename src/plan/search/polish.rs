@@ -73,7 +73,7 @@ pub(super) fn polished_as_is(context: &RouteContext<'_>, found: Found) -> Found 
 
 /// Only a clean route, and not the paper's sums over samples, which are no lengths; and not where
 /// the search itself is no more work, as in a large fleet.
-fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
+pub(super) fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
     let planner = &context.spec.planner;
     let stations = &context.world.stations[context.index];
     let routes = route_ends(context.vehicle(), stations).len();
@@ -172,7 +172,7 @@ fn sampled(basis: &Basis, spline: &Spline) -> [Vec<f64>; 3] {
 }
 
 /// Points of a spline in the plane.
-fn plane(spline: &Spline) -> Vec<EastNorth> {
+pub(super) fn plane(spline: &Spline) -> Vec<EastNorth> {
     let basis = Basis::uniform(spline.east_m.len(), BEND_SAMPLES);
     let [east_m, north_m, _] = sampled(&basis, spline);
     east_m.into_iter().zip(north_m).map(at).collect()
@@ -188,7 +188,7 @@ fn length_m(line: &[EastNorth]) -> f64 {
 
 /// Whether a route needs few enough mission items: no more than its bends in the plane and in its
 /// profile.
-fn fits_items(context: &RouteContext<'_>, spline: &Spline) -> bool {
+pub(super) fn fits_items(context: &RouteContext<'_>, spline: &Spline) -> bool {
     let plane = plane(spline);
     let amsl_m = Basis::uniform(spline.east_m.len(), BEND_SAMPLES).sampled(&spline.amsl_m);
     let mut along_m = 0.0;

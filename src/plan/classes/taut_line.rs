@@ -1,0 +1,254 @@
+//! The shortest line past the corners that a path passes.
+//!
+//! Corners of zones and threats near a path are joined by straight edges that cross nothing closed and
+//! lead onward along it. Few of them lead past obstacles on other sides than the path, and those that
+//! do are shorter.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::geodesy::EastNorth;
+use crate::numeric::geometry::{Offset, Point, Ring, disc_chord, distance};
+use crate::plan::route_context::RouteContext;
+use crate::world::PlanZone;
+
+/// Corners further from the path are not passed, in turn radii, and at least in metres.
+const NEAR_RADII: f64 = 4.0;
+const NEAR_M: f64 = 100.0;
+/// Most corners: edges between more of them take too long.
+const MAX_CORNERS: usize = 240;
+/// Lines pass corners at this distance, metres.
+const AWAY_M: f64 = 0.02;
+/// Corners of a threat, and those of a whole turn around the corner of a zone with a buffer.
+const THREAT_CORNERS: f64 = 96.0;
+const ROUND_CORNERS: f64 = 24.0;
+
+/// What is closed in the plane, margins included.
+struct Closed {
+    zones: Vec<Offset>,
+    threats: Vec<(Point, f64)>,
+}
+
+/// Where a line bends, or an end of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bend {
+    pub at: EastNorth,
+    /// The circle that it bends around: a threat, the corner of a zone with its buffer, or no more
+    /// than the place itself.
+    pub around: (EastNorth, f64),
+}
+
+/// A corner, the circle that it stands for, and how far along the path it is.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: Point,
+    around: (Point, f64),
+    along: usize,
+}
+
+/// The shortest line along a path that is given by many points, ends included; none where there are
+/// too many corners, or none that leads from end to end.
+pub(crate) fn taut_line(
+    context: &RouteContext<'_>,
+    path: &[EastNorth],
+    radius_m: f64,
+) -> Option<Vec<Bend>> {
+    let path: Vec<Point> = path.iter().map(|&at| plane(at)).collect();
+    let near_m = (NEAR_RADII * radius_m).max(NEAR_M);
+    let (closed, corners) = Closed::along(context, &path, near_m);
+    let (&first, &last) = (path.first()?, path.last()?);
+    let mut nodes: Vec<Corner> = corners
+        .into_iter()
+        .filter_map(|corner| {
+            let along = nearest(&path, corner.at, near_m)?;
+            Some(Corner { along, ..corner })
+        })
+        .filter(|corner| !closed.holds(corner.at))
+        .collect();
+    nodes.sort_by_key(|corner| corner.along);
+    if nodes.len() > MAX_CORNERS {
+        return None;
+    }
+    nodes.insert(0, Corner::place(first));
+    nodes.push(Corner::place(last));
+    let line = shortest(&nodes, &closed)?;
+    let at = |[east_m, north_m]: Point| EastNorth { east_m, north_m };
+    let bend = |corner: Corner| Bend {
+        at: at(corner.at),
+        around: (at(corner.around.0), corner.around.1),
+    };
+    Some(line.into_iter().map(bend).collect())
+}
+
+/// The shortest line from the first of some nodes to the last, in order along the path.
+fn shortest(nodes: &[Corner], closed: &Closed) -> Option<Vec<Corner>> {
+    let last = nodes.len() - 1;
+    let mut least_m = vec![f64::INFINITY; nodes.len()];
+    let mut before = vec![0; nodes.len()];
+    least_m[0] = 0.0;
+    for to in 1..=last {
+        for from in 0..to {
+            let length_m = least_m[from] + distance(nodes[from].at, nodes[to].at);
+            if length_m < least_m[to] && closed.is_free(nodes[from].at, nodes[to].at) {
+                (least_m[to], before[to]) = (length_m, from);
+            }
+        }
+    }
+    if least_m[last].is_infinite() {
+        return None;
+    }
+    let step = |&node: &usize| (node > 0).then(|| before[node]);
+    let back = std::iter::successors(Some(last), step);
+    let mut line: Vec<Corner> = back.map(|node| nodes[node]).collect();
+    line.reverse();
+    Some(line)
+}
+
+/// The index of the point of a path that is nearest to a place, where that is near.
+fn nearest(path: &[Point], at: Point, near_m: f64) -> Option<usize> {
+    let square = |point: Point| (point[0] - at[0]).powi(2) + (point[1] - at[1]).powi(2);
+    let away = path.iter().map(|&point| square(point)).enumerate();
+    let nearest = away.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (nearest.1 <= near_m * near_m).then_some(nearest.0)
+}
+
+impl Corner {
+    /// A corner that stands for no circle, anywhere along the path.
+    fn place(at: Point) -> Self {
+        Self {
+            at,
+            around: (at, 0.0),
+            along: 0,
+        }
+    }
+}
+
+impl Closed {
+    /// What is closed along a path, and its corners.
+    fn along(context: &RouteContext<'_>, path: &[Point], near_m: f64) -> (Self, Vec<Corner>) {
+        let (world, margin_m) = (context.world, context.margins.threat_m);
+        let ends = [context.ends.from.at, context.ends.to.at].map(plane);
+        let (low, high) = bounds(path, near_m);
+        let mut closed = Self {
+            zones: Vec::new(),
+            threats: Vec::new(),
+        };
+        let mut corners = Vec::new();
+        for zone in &world.zones {
+            let offset = zone.away_from(ends, margin_m);
+            // A path over or under a zone passes it in the plane.
+            let is_crossed = || {
+                zone.is_open_below(world.max_amsl)
+                    && path
+                        .iter()
+                        .any(|&at| !offset.is_far_from(at, at) && offset.contains(at))
+            };
+            if !offset.is_far_from(low, high) && !is_crossed() {
+                corners.extend(corners_of(zone, ends, margin_m));
+                closed.zones.push(offset);
+            }
+        }
+        for threat in &world.threats {
+            let center = plane(threat.center);
+            let rooms_m = ends.map(|end| distance(end, center) - threat.radius_m);
+            let room_m = rooms_m[0].min(rooms_m[1]).max(0.0);
+            let radius_m = threat.radius_m + margin_m.min(room_m);
+            closed.threats.push((center, radius_m));
+            corners.extend(around(center, radius_m, (0.0, TAU), THREAT_CORNERS));
+        }
+        (closed, corners)
+    }
+
+    fn holds(&self, at: Point) -> bool {
+        let in_threat = |&(center, radius_m): &(Point, f64)| distance(at, center) < radius_m;
+        let in_zone = |zone: &Offset| !zone.is_far_from(at, at) && zone.contains(at);
+        self.threats.iter().any(in_threat) || self.zones.iter().any(in_zone)
+    }
+
+    /// Whether a straight piece crosses nothing closed.
+    fn is_free(&self, a: Point, b: Point) -> bool {
+        let crosses = |&(center, radius_m): &(Point, f64)| {
+            disc_chord(a, b, center, radius_m).is_some_and(|chord| chord.fraction > 0.0)
+        };
+        let mut crossings = Vec::new();
+        let mut enters = |zone: &Offset| {
+            !zone.is_far_from(a, b)
+                && zone.inside_fraction((a, b), (0.0, 1.0), &mut crossings) > 0.0
+        };
+        !self.threats.iter().any(crosses) && !self.zones.iter().any(&mut enters)
+    }
+}
+
+/// Corners of what a zone closes.
+fn corners_of(zone: &PlanZone, ends: [Point; 2], margin_m: f64) -> Vec<Corner> {
+    let ring = Ring::around(&zone.outline);
+    let room_m =
+        (ends.iter().map(|end| ring.boundary_distance(*end))).fold(f64::INFINITY, f64::min);
+    if zone.buffer_m <= 0.0 {
+        let wider_m = margin_m.min(0.5 * room_m).max(0.0);
+        let wider = ring.outset(wider_m + AWAY_M);
+        return (wider.corners().iter())
+            .map(|&at| Corner::place(at))
+            .collect();
+    }
+    let radius_m = zone.buffer_m + margin_m.min(room_m - zone.buffer_m).max(0.0);
+    let corners = ring.corners();
+    let count = corners.len();
+    let mut round = Vec::new();
+    for (index, &at) in corners.iter().enumerate() {
+        let (before, after) = (
+            corners[(index + count - 1) % count],
+            corners[(index + 1) % count],
+        );
+        let course_rad = |a: Point, b: Point| (b[1] - a[1]).atan2(b[0] - a[0]);
+        let (into_rad, out_rad) = (course_rad(before, at), course_rad(at, after));
+        let turn_rad = (out_rad - into_rad + PI).rem_euclid(TAU) - PI;
+        if turn_rad > 0.0 {
+            // Counter-clockwise: outside is to the right.
+            let from_rad = into_rad - 0.5 * PI;
+            round.extend(around(at, radius_m, (from_rad, turn_rad), ROUND_CORNERS));
+        }
+    }
+    round
+}
+
+/// Points around an arc, so that lines through them stay outside of it: `whole` of them around a
+/// circle.
+fn around(
+    center: Point,
+    radius_m: f64,
+    (from_rad, turn_rad): (f64, f64),
+    whole: f64,
+) -> impl Iterator<Item = Corner> {
+    let count = (whole * turn_rad / TAU).ceil().max(1.0);
+    let step_rad = turn_rad / count;
+    let away_m = radius_m / (0.5 * step_rad).cos() + AWAY_M;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most a hundred"
+    )]
+    let count = count as u32;
+    (0..count).map(move |number| {
+        let (sin, cos) = (from_rad + step_rad * (f64::from(number) + 0.5)).sin_cos();
+        Corner {
+            around: (center, radius_m + AWAY_M),
+            ..Corner::place([center[0] + away_m * cos, center[1] + away_m * sin])
+        }
+    })
+}
+
+/// The box of some points and what is near it.
+fn bounds(points: &[Point], near_m: f64) -> (Point, Point) {
+    let of = |axis: usize| {
+        let values = points.iter().map(move |point| point[axis]);
+        let low_m = values.clone().fold(f64::INFINITY, f64::min);
+        let high_m = values.fold(f64::NEG_INFINITY, f64::max);
+        (low_m - near_m, high_m + near_m)
+    };
+    let (east, north) = (of(0), of(1));
+    ([east.0, north.0], [east.1, north.1])
+}
+
+fn plane(at: EastNorth) -> Point {
+    [at.east_m, at.north_m]
+}
