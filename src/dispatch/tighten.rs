@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use crate::cost::Margins;
 use crate::path::TimedPoint;
 use crate::plan::{FleetPlan, VehiclePlan};
-use crate::spec::{MissionSpec, Vehicle};
+use crate::spec::{MissionSpec, TerrainSource, Vehicle};
 use crate::verify::{Limit, Margin, Repair, Review};
 use crate::world::World;
 
@@ -22,6 +22,8 @@ pub(super) struct Strictness {
 const EXTRA_M: f64 = 1.0;
 /// Buffer of copters in the first round, metres.
 const NEAREST_M: f64 = 0.5;
+/// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
+const OVER_TERRAIN_M: f64 = 1.5;
 /// The least of it for the height above ground, which costs all along the path.
 const HIGHER_M: f64 = 0.25;
 /// How much further from its limits a path is moved that needs too many items.
@@ -42,8 +44,12 @@ impl Strictness {
                 true => tolerance_m.min(NEAREST_M),
                 false => tolerance_m,
             };
+            let ground_m = match spec.terrain {
+                TerrainSource::Flat(_) => margin_m,
+                _ => margin_m.max(tolerance_m.min(OVER_TERRAIN_M)),
+            };
             Margins {
-                clearance_m: margin_m,
+                clearance_m: ground_m,
                 under_m: margin_m,
                 threat_m: margin_m,
                 separation_m: first_separation_m(spec),
