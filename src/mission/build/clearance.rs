@@ -6,7 +6,7 @@
 use crate::geodesy::PlanPoint;
 use crate::numeric::geometry::{Point, Ring};
 use crate::path::TimedPoint;
-use crate::world::{Layer, PlanZone, World};
+use crate::world::{Layer, PlanZone, Terrain, World};
 
 /// Share of the distance to a limit that legs may take: the rest is for rounding.
 const SHARE: f64 = 0.9;
@@ -69,7 +69,11 @@ impl<'a> Limits<'a> {
         let ground_m = source.map_or(f64::NAN, |ground| ground.0);
         let floor_m = self.layer.floor_m(ground_m + world.min_agl.0);
         let roof_m = self.layer.ceiling_m(ground_m, world.max_amsl.0);
-        let over_m = GROUND_SHARE / SHARE * (amsl_m - floor_m);
+        // Over flat ground a path sags and a leg between two of its places is no lower.
+        let over_m = match world.terrain {
+            Terrain::Flat(_) => reach_m,
+            _ => GROUND_SHARE / SHARE * (amsl_m - floor_m),
+        };
         let mut clear_m = reach_m.min(over_m).min(roof_m - amsl_m);
         for threat in &world.threats {
             clear_m = clear_m.min(threat.center.distance_m(point.at) - threat.radius_m);
@@ -101,14 +105,16 @@ mod tests {
     use super::*;
     use crate::geodesy::{Amsl, EastNorth};
     use crate::spec::SpecFile;
-    use crate::world::Terrain;
 
     #[test]
     fn legs_stay_the_nearer_to_a_route_the_nearer_its_limits_are() {
         const TOLERANCE_M: f64 = 5.0;
         let text = include_str!("../../../missions/first.yaml").to_owned();
         let file = SpecFile::parse(Path::new("first.yaml"), text).expect("a shipped mission");
-        let world = World::new(&file.spec, Terrain::Flat(Amsl(584.0))).expect("ground");
+        let base = Amsl(584.0);
+        let hills = Vec::new();
+        let world = World::new(&file.spec, Terrain::Analytic { base, hills }).expect("ground");
+        let flat = World::new(&file.spec, Terrain::Flat(base)).expect("ground");
         let threat = world.threats[0];
         let floor_m = 584.0 + world.min_agl.0;
         let at = |from_threat_m: f64, over_floor_m: f64| TimedPoint {
@@ -128,20 +134,19 @@ mod tests {
             at(2.0, 1.0),
             at(2.0, 0.0),
         ];
-        let found = strictness((&world, Layer::OPEN), &route, TOLERANCE_M);
         let near = |clear_m: f64| TOLERANCE_M / clear_m;
-        let expected = [
-            1.0,
-            near(SHARE * 2.0),
-            near(GROUND_SHARE * 2.0),
-            near(GROUND_SHARE),
-            MOST,
-        ];
-        for (found, expected) in found.iter().zip(expected) {
-            assert!(
-                (found - expected).abs() < 1e-6 * expected,
-                "{found} {expected}"
-            );
+        let aside = near(SHARE * 2.0);
+        let over = [near(GROUND_SHARE * 2.0), near(GROUND_SHARE), MOST];
+        let expected = [1.0, aside, over[0], over[1], over[2]];
+        let over_flat = [1.0, aside, 1.0, aside, aside];
+        for (world, expected) in [(&world, expected), (&flat, over_flat)] {
+            let found = strictness((world, Layer::OPEN), &route, TOLERANCE_M);
+            for (found, expected) in found.iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() < 1e-6 * expected,
+                    "{found} {expected}"
+                );
+            }
         }
     }
 }
