@@ -72,12 +72,12 @@ fn a_path_stays_in_the_layer_between_least_and_greatest_height() {
     let free = dispatched(&spec);
     assert!(free.review.passes());
     let (highest_m, _) = extremes_m(&spec, &free);
-    assert!(highest_m > 120.0, "{highest_m}");
-    spec.vehicles[0].altitudes.max_agl = Some(Agl(120.0));
+    assert!(highest_m > 115.0, "{highest_m}");
+    spec.vehicles[0].altitudes.max_agl = Some(Agl(115.0));
     let limited = dispatched(&spec);
     assert!(limited.review.passes(), "{:?}", limited.review.margins);
     let (highest_m, _) = extremes_m(&spec, &limited);
-    assert!(highest_m <= 120.0, "{highest_m}");
+    assert!(highest_m <= 115.0, "{highest_m}");
     let margins = &limited.review.margins;
     assert!(
         margins
