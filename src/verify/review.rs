@@ -321,7 +321,7 @@ impl<'a> Sortie<'a> {
         let mut margins = contract.margins(self.home, fence);
         let layer = Layer::of(self.vehicle.altitudes, &spec.buffers);
         let layer = layer.over_lower_ground(world.terrain.raised_m());
-        margins.extend(space.margins(id, layer, &self.flight, fence));
+        margins.extend(space.margins(self.vehicle, layer, &self.flight, fence));
         if home::counts_from_home(self.mission) {
             home::note_cost(&mut margins, self.stands.amsl);
         }

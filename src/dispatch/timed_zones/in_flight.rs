@@ -135,7 +135,7 @@ impl Choice {
                     let zones = self.open[vehicle]
                         .iter()
                         .map(|&zone| &job.world.zones[zone]);
-                    let times = occupied(job.world, flight, zones);
+                    let times = occupied((job.spec, job.world), flight, zones);
                     let depart_s = found.plan.vehicles[vehicle].depart_s;
                     free_departures(&times, depart_s, (window, specified.depart_s))
                 });
@@ -170,12 +170,13 @@ fn without(spec: &MissionSpec, world: &World, open: &BTreeSet<usize>) -> (Missio
 }
 
 /// By how many seconds a flight may not be shifted, one span for each time that it is in a zone: with
-/// what it may be late there, as the verdict has it.
+/// what it may be early or late there, as the verdict has it.
 fn occupied<'z>(
-    world: &World,
+    (spec, world): (&MissionSpec, &World),
     flight: &VerifiedTrajectory,
     zones: impl Iterator<Item = &'z PlanZone>,
 ) -> Vec<(f64, f64)> {
+    let spare_s = spec.separation.time_slack_s + SPARE_S;
     let mut spans = Vec::new();
     for zone in zones {
         let Some((from_s, to_s)) = zone.active_s else {
@@ -187,29 +188,35 @@ fn occupied<'z>(
                 amsl: moment.amsl,
             };
             let (from, to) = (place(&segment.from), place(&segment.to));
-            if !meets(zone, from, to) {
+            let Some((enters, leaves)) = meets(zone, from, to) else {
                 continue;
-            }
-            // What is not flown stands for what is flown somewhere in its time.
-            let vague_s = match segment.is_flown {
-                true => 0.0,
-                false => segment.to.t_s - segment.from.t_s,
             };
-            let begins_s = segment.from.t_s - vague_s;
-            let ends_s = segment.to.t_s + vague_s + segment.late_s;
-            spans.push((from_s - ends_s - SPARE_S, to_s - begins_s + SPARE_S));
+            let takes_s = segment.to.t_s - segment.from.t_s;
+            let (before_s, after_s) = match segment.is_flown {
+                // Some stay for ever.
+                true if takes_s.is_infinite() => (0.0, takes_s),
+                true => (enters * takes_s, leaves * takes_s),
+                // What is not flown stands for what is flown somewhere in its time.
+                false => (-takes_s, 2.0 * takes_s),
+            };
+            let shift_s = flight.takeoff_late_s;
+            let begins_s = segment.from.t_s + before_s + shift_s.least - segment.early_s;
+            let ends_s = segment.from.t_s + after_s + shift_s.most + segment.late_s;
+            spans.push((from_s - ends_s - spare_s, to_s - begins_s + spare_s));
         }
     }
     spans
 }
 
-/// Whether a straight motion is over or under a zone, or in it: heights are left to the verdict.
-fn meets(zone: &PlanZone, from: PlanPoint, to: PlanPoint) -> bool {
+/// From which to which share of itself a straight motion is over or under a zone, or in it, to the
+/// next step: heights are left to the verdict.
+fn meets(zone: &PlanZone, from: PlanPoint, to: PlanPoint) -> Option<(f64, f64)> {
     let steps = geometry::steps(from.at.distance_m(to.at), STEP_M, (1, 1000));
-    (0..=steps).any(|step| {
-        let share = f64::from(step) / f64::from(steps);
-        zone.contains(from.toward(to, share).at)
-    })
+    let share = |step: u16| (f64::from(step) / f64::from(steps)).min(1.0);
+    let is_in = |step: &u16| zone.contains(from.toward(to, share(*step)).at);
+    let first = (0..=steps).find(is_in)?;
+    let last = (first..=steps).rfind(is_in)?;
+    Some((share(first.saturating_sub(1)), share(last + 1)))
 }
 
 /// The departures of a window around the one nearest to the specified that no span forbids.

@@ -13,6 +13,9 @@ use super::legs::{Keep, Legs, Point, distance_m};
 
 /// Share of the tolerance that the choice of candidates among the samples uses.
 const CANDIDATE_SHARE: f64 = 0.05;
+/// By how much less candidates leave the path in the plane where legs must stay closer to it: legs of
+/// turns are short there, and arcs fit on them if they are of nearly the same length.
+const FINER: f64 = 8.0;
 
 /// Indices of the samples that become waypoints: first and last, those of some indices in ascending
 /// order, and others.
@@ -43,6 +46,10 @@ pub(crate) fn waypoints(
         .collect()
 }
 
+fn flat(point: Point) -> Point {
+    Point::new(point.x, point.y, 0.0)
+}
+
 /// Indices of a subset of the samples within `tolerance_m` of every sample, some of them given.
 fn douglas_peucker(
     (path, strict): (&[Point], &impl Fn(usize) -> f64),
@@ -59,10 +66,13 @@ fn douglas_peucker(
     while let Some((from, to)) = open.pop() {
         let farthest = (from + 1..to)
             .map(|index| {
-                (
-                    index,
-                    strict(index) * distance_m(path[index], path[from], path[to]),
-                )
+                let strict = strict(index);
+                let away_m = distance_m(path[index], path[from], path[to]);
+                let aside_m = match strict > 1.0 {
+                    true => FINER * distance_m(flat(path[index]), flat(path[from]), flat(path[to])),
+                    false => 0.0,
+                };
+                (index, strict * away_m.max(aside_m))
             })
             .max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((index, deviation_m)) = farthest

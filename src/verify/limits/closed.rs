@@ -1,6 +1,6 @@
 //! Where and when a flight is in the heights and times at which a zone is closed.
 
-use crate::spec::{Placement, Zone};
+use crate::spec::{Placement, Span, Zone};
 use crate::verify::measure::segment::{Chord, Stretch};
 use crate::verify::measure::surface::Surface;
 
@@ -8,7 +8,7 @@ use crate::verify::measure::surface::Surface;
 pub(crate) struct Closed<'a> {
     zone: &'a Zone,
     surface: &'a Surface<'a>,
-    slack_s: f64,
+    shift_s: Span,
     /// Closed by so much more above and below, metres.
     buffer_m: f64,
 }
@@ -17,12 +17,12 @@ pub(crate) struct Closed<'a> {
 type Part = (f64, f64);
 
 impl<'a> Closed<'a> {
-    /// Of a zone; departures may be shifted by `slack_s`.
-    pub(crate) fn new(zone: &'a Zone, surface: &'a Surface<'a>, slack_s: f64) -> Self {
+    /// Of a zone; the flight may be shifted in time by `shift_s`.
+    pub(crate) fn new(zone: &'a Zone, surface: &'a Surface<'a>, shift_s: Span) -> Self {
         Self {
             zone,
             surface,
-            slack_s,
+            shift_s,
             buffer_m: 0.0,
         }
     }
@@ -71,8 +71,8 @@ impl<'a> Closed<'a> {
             true => 0.0,
             false => chord.to_s - chord.from_s,
         };
-        let slack_s = self.slack_s + vague_s;
-        let (from_s, to_s) = (from_s - slack_s - chord.late_s, to_s + slack_s);
+        let from_s = from_s - self.shift_s.most - vague_s - chord.late_s;
+        let to_s = to_s - self.shift_s.least + vague_s + chord.early_s;
         let lasts_s = chord.to_s - chord.from_s;
         if !lasts_s.is_finite() {
             // It stays for ever.

@@ -1,7 +1,8 @@
 //! Limits on where a flight goes: ground, ceiling, threats, zones, area, fence.
 
 use crate::geodesy::{EastNorth, LatLon};
-use crate::spec::{MissionSpec, Zone};
+use crate::path::takeoff_lateness_s;
+use crate::spec::{MissionSpec, Span, Vehicle, Zone};
 use crate::world::{Layer, NoData, World};
 
 use rayon::prelude::*;
@@ -64,7 +65,7 @@ impl<'a> Space<'a> {
     /// The margins of one flight to everything that stands still.
     pub(crate) fn margins(
         &self,
-        id: &str,
+        vehicle: &Vehicle,
         layer: Layer,
         flight: &Flight,
         fence: &Fence,
@@ -106,8 +107,10 @@ impl<'a> Space<'a> {
             }
         }
         let zones = self.spec.no_fly.par_iter().zip(&self.zones);
-        found.zones = zones.map(|zone| self.judge_zone(zone, &way)).collect();
-        self.found_margins(id, flight, found)
+        let shift_s = takeoff_lateness_s(vehicle);
+        let judged = zones.map(|zone| self.judge_zone(zone, shift_s, &way));
+        found.zones = judged.collect();
+        self.found_margins(&vehicle.id, flight, found)
     }
 
     /// The margins of what was found.
@@ -299,10 +302,21 @@ impl<'a> Space<'a> {
         }
     }
 
-    /// The room to a zone. Inside its box nothing is known of that but that it may be negative.
-    fn judge_zone(&self, (zone, shape): (&Zone, &ZoneShape), way: &[Part<'_>]) -> Worst {
+    /// The room to a zone for a vehicle that may be early or late from its takeoff on. Inside its box
+    /// nothing is known of that but that it may be negative.
+    fn judge_zone(
+        &self,
+        (zone, shape): (&Zone, &ZoneShape),
+        shift_s: Span,
+        way: &[Part<'_>],
+    ) -> Worst {
         let least_m = self.spec.buffers.zones_m.max(zone.buffer_m);
-        let closed = Closed::new(zone, &self.surface, self.spec.separation.time_slack_s);
+        let slack_s = self.spec.separation.time_slack_s;
+        let shift_s = Span {
+            least: shift_s.least - slack_s,
+            most: shift_s.most + slack_s,
+        };
+        let closed = Closed::new(zone, &self.surface, shift_s);
         let closed = closed.widened(least_m);
         let judge = |part: &Part<'_>, worst: &mut Worst| {
             for stretch in closed.parts(part.chord, &part.stretch) {

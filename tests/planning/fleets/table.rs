@@ -88,12 +88,13 @@ fn a_table_goes_with_the_plan_and_no_other_is_uploaded_with_it() {
 #[test]
 fn of_a_large_fleet_the_table_shows_the_forty_nearest_to_a_limit_the_worst_first() {
     let folder = tempfile::tempdir().expect("a folder");
-    // All stay at 80 m, which leaves 20 m, but one that passes 7 m from a threat.
+    // All stay more than 20 m above the least height, but one that passes 7 m from a threat.
     let lanes = "  start_grid: {south_west: {lat: 36.282, lon: -84.29}, rows: 42, columns: 1, spacing_m: 100}
   goal_grid: {south_west: {lat: 36.282, lon: -84.285}, rows: 42, columns: 1, spacing_m: 100}\n";
     let spec = SPEC
         .replace("  csv: tables/pair.csv\n", lanes)
-        .replace("evaluations: 500", "evaluations: 100, control_points: 8, weights: {altitude: 0}")
+        .replace("min_agl_m: 60", "min_agl_m: 20")
+        .replace("evaluations: 500", "evaluations: 100, control_points: 8")
         + "separation: {distance_m: 20, time_slack_s: 0}
 threats: [{id: tower, kind: tower, lat: 36.31823, lon: -84.2875, radius_m: 27}]\n";
     fs::write(folder.path().join("pair.yaml"), spec).expect("written");

@@ -41,6 +41,11 @@ pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
     if line_m >= Line::new(path).length_m() {
         return found;
     }
+    // Further samples were for another path: as they lie uneven they would call turns too tight.
+    let anew = RouteContext {
+        extra: &[],
+        ..*context
+    };
     let span_m = line_m / as_f64(SPANS.max(context.controls() - 3));
     for wider in WIDER {
         let Some(free) = belt::controls(&line, wider * radius_m, span_m) else {
@@ -49,7 +54,7 @@ pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
         if free.len() > MAX_CONTROLS {
             continue;
         }
-        let drawn = along(context, &free);
+        let drawn = along(&anew, &free);
         let costs_less = drawn.strict.total() < found.strict.total();
         if drawn.strict.is_clean() && costs_less && fits_items(context, &drawn.spline) {
             return Found {
