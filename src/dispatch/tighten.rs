@@ -20,6 +20,8 @@ pub(super) struct Strictness {
 
 /// Added to a missing distance, so that the next round does not fail by rounding, metres.
 const EXTRA_M: f64 = 1.0;
+/// The same where little of a separation is missing.
+const LEAST_EXTRA_M: f64 = 0.1;
 /// Buffer of copters in the first round, metres.
 const NEAREST_M: f64 = 0.5;
 /// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
@@ -155,7 +157,8 @@ impl Strictness {
                     Some(shift) if was_tried && is_beyond(shift.worst_s) => {
                         margins.shift_s = shift.most_s() - slack_s;
                     }
-                    _ => margins.separation_m += missing + EXTRA_M,
+                    // A metre more may take much longer to wait for than the one that is missing.
+                    _ => margins.separation_m += missing + missing.clamp(LEAST_EXTRA_M, EXTRA_M),
                 }
             }
             Repair::Slope => {
