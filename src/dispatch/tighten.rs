@@ -22,6 +22,8 @@ pub(super) struct Strictness {
 const EXTRA_M: f64 = 1.0;
 /// The same where little of a separation is missing.
 const LEAST_EXTRA_M: f64 = 0.1;
+/// So little of a separation is found without a time shift, metres.
+const SLIGHT_M: f64 = 0.5;
 /// Buffer of copters in the first round, metres.
 const NEAREST_M: f64 = 0.5;
 /// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
@@ -154,11 +156,16 @@ impl Strictness {
                 let was_tried = margins.separation_m > first_separation_m(spec);
                 let is_beyond = |worst_s: f64| worst_s.abs() > slack_s + margins.shift_s;
                 match margin.shift {
-                    Some(shift) if was_tried && is_beyond(shift.worst_s) => {
+                    Some(shift) if was_tried && missing > SLIGHT_M && is_beyond(shift.worst_s) => {
                         margins.shift_s = shift.most_s() - slack_s;
                     }
-                    // A metre more may take much longer to wait for than the one that is missing.
-                    _ => margins.separation_m += missing + missing.clamp(LEAST_EXTRA_M, EXTRA_M),
+                    // A metre more may take much longer to wait for than the one that is missing, so that
+                    // what is added begins small, and doubles.
+                    _ => {
+                        let added_m = margins.separation_m - first_separation_m(spec);
+                        let more_m = missing.max(added_m).clamp(LEAST_EXTRA_M, EXTRA_M);
+                        margins.separation_m += missing + more_m;
+                    }
                 }
             }
             Repair::Slope => {
