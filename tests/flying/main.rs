@@ -29,3 +29,4 @@ mod replan_trouble;
 mod replan_wings;
 mod seen_in_flight;
 mod served;
+mod untrue_lines;

@@ -1,0 +1,41 @@
+//! Lines and figures of a flight that were not true.
+#![allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)]
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use super::flight_truth::{ARMED, change, count, sky, two};
+use super::orders_and_ends::position;
+use crate::support::place;
+use crate::support::sky::{US, lane, plan};
+use sortie::flight::*;
+use sortie::geodesy::Agl;
+use sortie::link::*;
+use sortie::simulator::Fault;
+use sortie::spec::{AlarmKind, EndPoint, OnLinkLoss, Placement, Stop, Wind};
+
+#[test]
+fn a_tab_at_the_end_of_a_text_is_no_part_of_it() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(30.0);
+    let from = sky.vehicles[0].address();
+    for text in ["Failsafe activated\t", "a\tb \t", "\t"] {
+        let text = Message::StatusText {
+            severity: 5,
+            text: text.to_owned(),
+        };
+        sky.fleet.handle(sky.now, (0, from), &text);
+    }
+    sky.fly_to(31.0);
+    let of = sky.events.iter().map(|event| event.text.as_str());
+    let said: Vec<&str> = of.filter(|text| text.starts_with("says: ")).collect();
+    assert_eq!(
+        said,
+        [
+            "says: Failsafe activated",
+            "says: a b",
+            "says: (an empty text)"
+        ]
+    );
+}
