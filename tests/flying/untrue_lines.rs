@@ -15,6 +15,36 @@ use sortie::simulator::Fault;
 use sortie::spec::{AlarmKind, EndPoint, OnLinkLoss, Placement, Stop, Wind};
 
 #[test]
+fn a_variance_of_the_estimate_that_swings_about_its_limit_is_one_alarm() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let switch = change(&mut sky, |now, message| {
+        if let Message::Flight(FlightMessage::Health(Health::Ekf { variances, .. })) = message {
+            let swing = (now.0 as f32 / 2500.0).sin();
+            variances[1] = 0.7 + 0.2 * swing;
+        }
+    });
+    sky.fly_to(25.0);
+    switch.set(true);
+    sky.fly_to(90.0);
+    assert_eq!(count(&sky, "alpha", "ALARM ekf"), 1, "{:?}", sky.events);
+    assert_eq!(
+        count(&sky, "alpha", "ekf alarm: over"),
+        0,
+        "{:?}",
+        sky.events
+    );
+    switch.set(false);
+    sky.fly_to(103.0);
+    assert_eq!(
+        count(&sky, "alpha", "ekf alarm: over"),
+        1,
+        "{:?}",
+        sky.events
+    );
+}
+
+#[test]
 fn a_tab_at_the_end_of_a_text_is_no_part_of_it() {
     let plan = two();
     let mut sky = sky(&plan);

@@ -37,6 +37,8 @@ use tube::{LATE_ERROR_S, TubeWatch, assumed_late_s};
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
 const OVER_S: f64 = 3.0;
+/// One of a position estimate, which gets better and worse in turns, for this long.
+const EKF_OVER_S: f64 = 10.0;
 /// A position that is older than this is stale: seconds of flight, and of the wall's clock.
 const STALE_S: f64 = 1.5;
 const STALE_WALL_S: f64 = 0.75;
@@ -484,7 +486,7 @@ impl<'a> Alarms<'a> {
                 self.push(t_s, key, true, text);
             }
             (Some(standing), Some(_)) => standing.seen_s = t_s,
-            (Some(standing), None) if t_s - standing.seen_s >= OVER_S => {
+            (Some(standing), None) if t_s - standing.seen_s >= over_s(key.0) => {
                 let lasted_s = standing.seen_s - standing.since_s;
                 self.standing.remove(&key);
                 let is_off = [AlarmKind::Corridor, AlarmKind::Late].contains(&key.0)
@@ -515,6 +517,14 @@ impl<'a> Alarms<'a> {
 }
 
 impl Watched<'_> {
+/// For how long the cause of an alarm must be gone, seconds.
+fn over_s(kind: AlarmKind) -> f64 {
+    match kind {
+        AlarmKind::Ekf => EKF_OVER_S,
+        _ => OVER_S,
+    }
+}
+
     /// What is said of a vehicle that has not taken off by when the verdict assumes it on its way at
     /// the latest.
     fn grounded(&mut self, t_s: f64, slack_s: f64) -> Option<String> {
