@@ -14,6 +14,38 @@ use sortie::link::*;
 use sortie::simulator::Fault;
 use sortie::spec::{AlarmKind, EndPoint, OnLinkLoss, Placement, Stop, Wind};
 
+/// Nobody knows whether the positions before a jump or those after it are right.
+#[test]
+fn a_jump_of_the_position_that_is_not_undone_is_an_alarm_until_the_flight_is_over() {
+    for is_undone in [false, true] {
+        let plan = two();
+        let mut sky = sky(&plan);
+        sky.fly_to(40.0);
+        let jump = |north_m: f64| Fault::Jump {
+            east_m: 0.0,
+            north_m,
+        };
+        sky.vehicles[0].fail(jump(67.0));
+        sky.fly_to(50.0);
+        if is_undone {
+            sky.vehicles[0].fail(jump(0.0));
+        }
+        sky.fly_to(60.0);
+        let over = count(&sky, "alpha", "position alarm: over");
+        assert_eq!(over, usize::from(is_undone), "{:?}", sky.events);
+        let stands = sky.fleet.status(sky.now)[0]
+            .alarms
+            .contains(&AlarmKind::Position);
+        assert_eq!(stands, !is_undone);
+        assert_eq!(
+            count(&sky, "alpha", "ALARM position"),
+            1,
+            "{:?}",
+            sky.events
+        );
+    }
+}
+
 #[test]
 fn a_variance_of_the_estimate_that_swings_about_its_limit_is_one_alarm() {
     let plan = two();

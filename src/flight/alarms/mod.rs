@@ -250,10 +250,11 @@ impl<'a> Alarms<'a> {
         self.spec.separation.time_slack_s
     }
 
-    /// How high a vehicle is above the ground, metres, where the ground is known.
+    /// How high a vehicle is above the ground, metres, where the ground is known and its height is not frozen.
     #[must_use]
     pub fn agl_m(&self, vehicle: usize) -> Option<f64> {
-        let here = self.vehicles.get(vehicle)?.here?;
+        let of = self.vehicles.get(vehicle)?;
+        let here = of.here.filter(|_| !of.motion.is_height_frozen())?;
         Some(here.agl_m).filter(|agl_m| agl_m.is_finite())
     }
 
@@ -317,7 +318,7 @@ impl<'a> Alarms<'a> {
                 .contains_key(&(AlarmKind::Position, vehicle, None, "frozen"));
         let is_due = is_up || was_frozen;
         let moves = is_up && of.is_on_plan() && of.tube.should_move(&of.plan, &here);
-        let (frozen, jumped) = of.motion.take(&here, position, moves);
+        let (frozen, jumped) = of.motion.take(&here, position, (moves, is_up));
         let (frozen, jumped) = (frozen.filter(|_| is_due), jumped.filter(|_| is_up));
         self.set(
             fix.t_s,
@@ -516,7 +517,6 @@ impl<'a> Alarms<'a> {
     }
 }
 
-impl Watched<'_> {
 /// For how long the cause of an alarm must be gone, seconds.
 fn over_s(kind: AlarmKind) -> f64 {
     match kind {
@@ -525,6 +525,7 @@ fn over_s(kind: AlarmKind) -> f64 {
     }
 }
 
+impl Watched<'_> {
     /// What is said of a vehicle that has not taken off by when the verdict assumes it on its way at
     /// the latest.
     fn grounded(&mut self, t_s: f64, slack_s: f64) -> Option<String> {
