@@ -14,6 +14,77 @@ use sortie::link::*;
 use sortie::simulator::Fault;
 use sortie::spec::{AlarmKind, EndPoint, OnLinkLoss, Placement, Stop, Wind};
 
+/// From some time on the place and altitude of alpha stand still; its height above home sinks by so many mm a second,
+/// and its motors stand 20 s later, when it says that it is on the ground or does not.
+fn without_a_place(sinks_mm_s: i32, says_grounded: bool) -> (FlightReport, Vec<Event>) {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let (began, last) = (Rc::new(Cell::new(None)), Rc::new(Cell::new(None)));
+    let stands = Rc::new(Cell::new(false));
+    let stop = Rc::clone(&stands);
+    let switch = change(&mut sky, move |now, message| {
+        position(message, |position| {
+            let since = began.get().unwrap_or(now);
+            began.set(Some(since));
+            let known = last.get().unwrap_or(*position);
+            last.set(Some(known));
+            let sunk_mm = i32::try_from(now - since).expect("minutes") / 1000 * sinks_mm_s;
+            *position = Position {
+                above_home_mm: (known.above_home_mm - sunk_mm).max(0),
+                boot_ms: position.boot_ms,
+                velocity_cmps: [0, 150, 0],
+                ..known
+            };
+        });
+        match message {
+            Message::Heartbeat(beat) if stop.get() => beat.base_mode &= !ARMED,
+            Message::Flight(FlightMessage::Landed(state)) if says_grounded => {
+                *state = LandedState::ON_GROUND
+            }
+            _ => {}
+        }
+    });
+    sky.fly_to(50.0);
+    switch.set(true);
+    sky.fly_to(70.0);
+    stands.set(true);
+    sky.fly_to(76.0);
+    (plan.judge(&sky), sky.events)
+}
+
+fn says(events: &[Event], text: &str) -> bool {
+    let of_alpha = |event: &&Event| event.vehicle.as_deref() == Some("alpha");
+    events
+        .iter()
+        .filter(of_alpha)
+        .any(|event| event.text.contains(text))
+}
+
+#[test]
+fn a_copter_whose_place_stands_still_is_as_high_as_its_height_above_home_says() {
+    let (report, landed) = without_a_place(10_000, false);
+    let in_air = |event: &&Event| {
+        event.text.contains("stopped its motors") && event.text.contains("over the ground")
+    };
+    assert_eq!(landed.iter().find(in_air), None, "{landed:?}");
+    let text = "m from the end of its mission by its last place, of T0+5";
+    assert!(says(&landed, text), "{landed:?}");
+    let height = report.vehicles[0].altitude_error_m.expect("positions");
+    assert!(height.worst > 30.0, "{height:?}");
+    let (_, fell) = without_a_place(500, false);
+    assert!(fell.iter().any(|event| in_air(&event)), "{fell:?}");
+}
+
+#[test]
+fn a_height_that_stands_still_as_well_is_not_known_where_it_stops_its_motors() {
+    let (_, unknown) = without_a_place(0, false);
+    let text = "stopped its motors; its height is not known since T0+5";
+    assert!(says(&unknown, text), "{unknown:?}");
+    let (_, landed) = without_a_place(0, true);
+    assert!(!says(&landed, "its height is not known"), "{landed:?}");
+    assert!(says(&landed, "m from the end of its mission"), "{landed:?}");
+}
+
 /// Nobody knows whether the positions before a jump or those after it are right.
 #[test]
 fn a_jump_of_the_position_that_is_not_undone_is_an_alarm_until_the_flight_is_over() {

@@ -246,6 +246,11 @@ impl FlightVehicle<'_> {
 
     /// Whether it is known where it is now: a way that was judged from elsewhere is not ordered.
     pub(crate) fn is_placed(&self) -> bool {
+        self.is_positioned() && self.height.is_placed()
+    }
+
+    /// Whether a position came a short time ago.
+    pub(super) fn is_positioned(&self) -> bool {
         self.position_at
             .is_some_and(|at| self.now - at <= PLACED_MS)
     }
