@@ -172,3 +172,47 @@ fn a_tab_at_the_end_of_a_text_is_no_part_of_it() {
         ]
     );
 }
+
+/// It lies on the ground and refuses to stop its motors.
+#[test]
+fn positions_of_one_that_does_not_stop_its_motors_are_recorded_until_it_is_given_up() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    let switch = change(&mut sky, |now, message| {
+        position(message, |position| {
+            (position.x, position.y) = (363_010_000 + (now.0 / 100 % 7) as i32, -842_540_000);
+            (position.amsl_mm, position.above_home_mm) = (400_300, 300);
+            position.velocity_cmps = [0, 0, 0];
+        });
+        if let Message::Heartbeat(beat) = message {
+            beat.base_mode |= ARMED;
+        }
+    });
+    sky.fly_to(50.0);
+    switch.set(true);
+    sky.up = Some(Box::new(|_, system, message| {
+        let Message::Flight(FlightMessage::Command { target, order }) = message else {
+            return None;
+        };
+        let ack = FlightMessage::CommandAck {
+            target: US,
+            command: order.command,
+            result: CommandResult::FAILED,
+        };
+        let is_disarm = system == 1 && order.command == Command::ARM_DISARM;
+        is_disarm.then(|| vec![(*target, Message::Flight(ack))])
+    }));
+    sky.fly_out();
+    let is_armed = |event: &Event| event.text.contains("alpha IS STILL ARMED");
+    assert!(sky.events.iter().any(is_armed), "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    let gap = report
+        .margins
+        .iter()
+        .find(|of| of.vehicle == "alpha" && of.limit.to_string().contains("without a position"));
+    assert!(
+        gap.is_some_and(|gap| gap.ok),
+        "{gap:?}: {:?}",
+        report.margins
+    );
+}

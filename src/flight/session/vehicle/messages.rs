@@ -240,6 +240,9 @@ impl FlightVehicle<'_> {
             if fix.t_s >= 0.0 {
                 self.record_fix(fix);
             }
+        } else if matches!(self.stage, Stage::Disarming(_)) && !self.flown.fixes.is_empty() {
+            // Its flight is not over before its motors stand, or are left running.
+            self.record_fix(fix);
         }
     }
 
