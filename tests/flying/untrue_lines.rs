@@ -85,6 +85,44 @@ fn a_height_that_stands_still_as_well_is_not_known_where_it_stops_its_motors() {
     assert!(says(&landed, "m from the end of its mission"), "{landed:?}");
 }
 
+/// The first vehicle flies against a gale from a time on, and is ordered to hold later.
+#[test]
+fn lateness_of_one_that_never_comes_to_its_next_waypoint_is_that_of_its_alarm() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(24.0);
+    sky.vehicles[0].fail(Fault::Wind {
+        wind: Wind {
+            from_rad: 90_f64.to_radians(),
+            speed_mps: 14.0,
+        },
+        airspeed_mps: 17.4,
+    });
+    sky.fly_to(110.0);
+    sky.fleet.intervene(sky.now, Intervention::Hold);
+    let status_s = sky.fleet.t_s(sky.now).expect("T0");
+    sky.fly_out();
+    let report = plan.judge(&sky);
+    let latest_s = report.vehicles[0]
+        .late_s()
+        .fold(f64::NEG_INFINITY, f64::max);
+    assert!(
+        (35.0..status_s).contains(&latest_s),
+        "{latest_s}: {:?}",
+        report.vehicles[0]
+    );
+    let late = sky
+        .events
+        .iter()
+        .find(|event| event.text.contains("ALARM late"));
+    assert!(late.is_some(), "{:?}", sky.events);
+    // The other one holds at once, and is not late.
+    let other_s = report.vehicles[1]
+        .late_s()
+        .fold(f64::NEG_INFINITY, f64::max);
+    assert!(other_s < 15.0, "{other_s}");
+}
+
 /// Nobody knows whether the positions before a jump or those after it are right.
 #[test]
 fn a_jump_of_the_position_that_is_not_undone_is_an_alarm_until_the_flight_is_over() {
