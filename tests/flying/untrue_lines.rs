@@ -123,6 +123,36 @@ fn lateness_of_one_that_never_comes_to_its_next_waypoint_is_that_of_its_alarm() 
     assert!(other_s < 15.0, "{other_s}");
 }
 
+/// It is set on to a later item, and flies along its path all the same.
+#[test]
+fn a_waypoint_that_was_flown_over_later_is_not_said_to_be_passed_far_away() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(60.0);
+    sky.fly_out();
+    let mut record = plan.record(&sky);
+    let items = plan.dispatched.missions[0].1.items.len();
+    for fix in &mut record.flights[0].flown.fixes {
+        if fix.t_s > 20.0 {
+            fix.item = fix.item.max(items - 1);
+        }
+    }
+    let report = judge(&plan.spec, &plan.world, &record);
+    let missed: Vec<_> = report
+        .margins
+        .iter()
+        .filter(|of| !of.ok && of.note.contains("passed"))
+        .collect();
+    assert!(!missed.is_empty(), "{:?}", report.margins);
+    for of in missed {
+        assert!(
+            of.note
+                .contains("m away in its turn, and 0 m away on the way to item"),
+            "{of:?}"
+        );
+    }
+}
+
 /// Nobody knows whether the positions before a jump or those after it are right.
 #[test]
 fn a_jump_of_the_position_that_is_not_undone_is_an_alarm_until_the_flight_is_over() {

@@ -2,6 +2,7 @@
 
 pub(super) mod leg;
 pub(super) mod limits;
+mod missed;
 pub(super) mod proof;
 pub(super) mod reference;
 pub(super) mod report;
@@ -383,7 +384,6 @@ impl<'a> FlownTrack<'a> {
         (late_s > 0.0).then_some(late_s)
     }
 
-    /// How near it came to each of its stops, and when.
     /// The latest time at which its plan has it where a position is, seconds after T0; none for one beside its path.
     fn planned_s(&self, index: usize) -> Option<f64> {
         let (plan, point) = (self.plan(index)?, self.points[index]);
@@ -394,6 +394,7 @@ impl<'a> FlownTrack<'a> {
         on_path.map(|of| of.t_s).reduce(f64::max)
     }
 
+    /// How near it came to each of its stops, and when.
     fn stops(&self) -> Vec<MadeStop> {
         let (Some(vehicle), Some(stations)) = (self.vehicle, &self.stations) else {
             return Vec::new();

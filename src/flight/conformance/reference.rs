@@ -212,6 +212,13 @@ impl Reference {
             .min_by(|a, b| a.distance_m().total_cmp(&b.distance_m()))
     }
 
+    /// How far beside its whole path a point is, metres.
+    pub(crate) fn beside_m(&self, point: PlanPoint) -> f64 {
+        let legs = self.waypoints.windows(2);
+        let beside = legs.map(|pair| Deviation::of(point, &pair[0], &pair[1]).cross_track_m);
+        beside.fold(f64::INFINITY, f64::min)
+    }
+
     /// How far a point is from each of the legs around the way to an item.
     pub(crate) fn deviations(
         &self,
