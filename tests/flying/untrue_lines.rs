@@ -153,6 +153,47 @@ fn a_waypoint_that_was_flown_over_later_is_not_said_to_be_passed_far_away() {
     }
 }
 
+/// A stop of 30 s with 5 m, at which the vehicle stays so many metres beside by its positions.
+#[test]
+fn a_stop_that_it_makes_farther_away_than_planned_is_missed() {
+    let end = EndPoint {
+        place: place(36.302, -84.254),
+        altitude: Placement::Agl(Agl(80.0)),
+    };
+    let mut alpha = lane("alpha", 1, 36.30);
+    alpha.stops = vec![Stop {
+        hold_s: 30.0,
+        acceptance_radius_m: Some(5.0),
+        ..Stop::passing("mast", end)
+    }];
+    let plan = plan(vec![alpha], OnLinkLoss::Continue);
+    for (beside_m, is_done) in [(0, true), (4, true), (20, false)] {
+        let mut sky = sky(&plan);
+        let switch = change(&mut sky, move |_, message| {
+            position(message, |position| position.x += beside_m * 90);
+        });
+        sky.fly_to(30.0);
+        switch.set(true);
+        assert_eq!(sky.fly_out(), Outcome::Flown);
+        assert_eq!(
+            sky.says("alpha", "stop mast done"),
+            is_done,
+            "{:?}",
+            sky.events
+        );
+        let text = "m (at most 5 m)";
+        assert_eq!(sky.says("alpha", text), !is_done, "{:?}", sky.events);
+        let report = plan.judge(&sky);
+        let state = report.vehicles[0].served[0].state;
+        let expected = if is_done {
+            ServiceState::Done
+        } else {
+            ServiceState::Missed
+        };
+        assert_eq!(state, expected, "{beside_m} m");
+    }
+}
+
 /// Nobody knows whether the positions before a jump or those after it are right.
 #[test]
 fn a_jump_of_the_position_that_is_not_undone_is_an_alarm_until_the_flight_is_over() {
