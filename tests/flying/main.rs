@@ -24,6 +24,7 @@ mod orders_and_ends;
 mod orders_meanwhile;
 mod replan_columns;
 mod replan_left;
+mod replan_returns;
 mod replan_stops;
 mod replan_trouble;
 mod replan_wings;
