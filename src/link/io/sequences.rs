@@ -23,6 +23,10 @@ const STEADY_M: f64 = 1.0;
 const STEADY_SHARE: f64 = 0.3;
 /// So many positions in a row show that.
 const IN_A_ROW: u8 = 12;
+/// Where both sequences have the same numbers, positions that come in turns are off the way between those before and after
+/// them, to one side and the other: by this, metres, at a time that is no further outside of that way, milliseconds.
+const ZIGZAG_M: f64 = 3.0;
+const OUTSIDE_MS: i64 = 300;
 /// One degree of latitude, metres.
 const DEGREE_M: f64 = 111_320.0;
 
@@ -45,6 +49,41 @@ pub(super) struct Sequences {
     /// How far one is from the other: to the north, the east and up, metres.
     apart_m: Option<[f64; 3]>,
     in_a_row: u8,
+    zigzag: Zigzag,
+}
+
+/// Whether positions, as they come, are those of two vehicles in turns.
+#[derive(Clone, Debug, Default)]
+struct Zigzag {
+    last: [Option<Position>; 2],
+    off_m: Option<[f64; 3]>,
+    in_a_row: u8,
+}
+
+impl Zigzag {
+    fn take(&mut self, next: &Position) {
+        let [first, middle] = self.last;
+        self.last = [middle, Some(*next)];
+        let off_m = first.zip(middle).and_then(|(first, middle)| {
+            let ms = |of: &Position| i64::from(of.boot_ms) - i64::from(first.boot_ms);
+            let (at_ms, took_ms) = (ms(&middle), ms(next));
+            let is_near = (1..=i64::from(GAP_MS)).contains(&took_ms)
+                && (-OUTSIDE_MS..=took_ms + OUTSIDE_MS).contains(&at_ms);
+            #[expect(clippy::cast_precision_loss, reason = "milliseconds of a second")]
+            let share = at_ms as f64 / took_ms as f64;
+            is_near.then(|| apart_m(&middle, (&first, next), share))
+        });
+        let before_m = std::mem::replace(&mut self.off_m, off_m);
+        let turns = off_m.zip(before_m).is_some_and(|(now_m, before_m)| {
+            let sum_m = [0, 1, 2].map(|axis| now_m[axis] + before_m[axis]);
+            let length = length_m(now_m);
+            length >= ZIGZAG_M && length_m(sum_m) <= STEADY_M.max(STEADY_SHARE * length)
+        });
+        self.in_a_row = match turns {
+            true => self.in_a_row.saturating_add(1),
+            false => 0,
+        };
+    }
 }
 
 impl Sequence {
@@ -58,12 +97,22 @@ impl Sequence {
 impl Sequences {
     /// Takes in the number of a frame, and its position; whether positions come from two vehicles.
     pub(super) fn take(&mut self, number: u8, position: Option<&Position>) -> bool {
+        if let Some(position) = position.filter(|position| position.is_known()) {
+            self.zigzag.take(position);
+        }
+        self.sort(number, position);
+        let in_a_row = self.in_a_row.max(self.zigzag.in_a_row);
+        position.is_some() && in_a_row >= IN_A_ROW
+    }
+
+    /// Takes a frame into the sequence that it goes on in.
+    fn sort(&mut self, number: u8, position: Option<&Position>) {
         self.frames += 1;
         let used = self.frames;
         let goes_on = (0..2).filter_map(|of| Some((self.both[of].later(number)?, of)));
         let own = goes_on.min().map(|(_, of)| of);
         let Some(own) = own.or_else(|| self.begin(number)) else {
-            return false;
+            return;
         };
         (self.both[own].last, self.both[own].used) = (Some(number), used);
         if let Some(position) = position.filter(|position| position.is_known()) {
@@ -74,7 +123,6 @@ impl Sequences {
                 positions.pop_front();
             }
         }
-        position.is_some() && self.in_a_row >= IN_A_ROW
     }
 
     /// A sequence of its own, in the place of the one that was not used for longer, if a frame is one of it.
@@ -236,6 +284,17 @@ mod tests {
             let mut both: Vec<Sent> = own.iter().copied().chain(later).collect();
             both.sort_by(|a, b| a.0.total_cmp(&b.0));
             prop_assert!(!are_two(&both, seed, shares));
+        }
+
+        #[test]
+        fn two_vehicles_whose_frames_have_the_same_numbers_are_two(
+            first in 0_u8..=255, others in 0_u8..12,
+            (north_m, east_m) in (5.0..60.0, -60.0..60.0), clock_ms in -240.0..240.0,
+        ) {
+            let one = port(first, others, |ms| position(ms, (0.0, 0.0), 0.0));
+            let two = port(first, others, |ms| position(ms, (north_m, east_m), clock_ms));
+            let both: Vec<Sent> = one.into_iter().zip(two).flat_map(|(a, b)| [a, b]).collect();
+            prop_assert!(are_two(&both, 1, [0.0; 3]));
         }
 
         #[test]

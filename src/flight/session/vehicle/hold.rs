@@ -200,9 +200,9 @@ impl FlightVehicle<'_> {
         } else {
             "its mode is another one; it is ordered again"
         };
-        let away_m = from.chord_m(fix.place);
+        let (away_m, of_place) = (from.chord_m(fix.place), self.height.of_place());
         self.said.push_back(format!(
-            "hold not confirmed: {why} ({away_m:.0} m from where it was ordered to)"
+            "hold not confirmed: {why} ({away_m:.0} m from where it was ordered to{of_place})"
         ));
     }
 
