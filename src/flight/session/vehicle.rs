@@ -31,7 +31,6 @@ use crate::spec::Action;
 pub(super) use arming::ARMING_MS;
 use arming::{Arming, Disarming, SeenDisarmed};
 use ending::Motors;
-use height::Height;
 use hold::HoldWatch;
 use texts::Texts;
 
@@ -196,7 +195,6 @@ pub(crate) struct FlightVehicle<'a> {
     airborne: bool,
     /// Heartbeats in a row that show its motors to stand, and to run, while it flies or after that.
     pub(crate) motors: Motors,
-    height: Height,
     pub(crate) instruction: Option<Instruction>,
     /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
@@ -281,7 +279,6 @@ impl<'a> FlightVehicle<'a> {
             total: Totals::default(),
             airborne: false,
             motors: Motors::default(),
-            height: Height::default(),
             instruction: None,
             holds: false,
             hold: HoldWatch::default(),

@@ -1,6 +1,7 @@
 //! How a flight comes to its end: on the ground, or where it stays in the air.
 
 use super::arming::BEATS;
+use super::height::Height;
 use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
@@ -26,6 +27,8 @@ const RESTS_M: f64 = 1.0;
 /// Heartbeats in a row: one alone may be of another component, or wrong.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Motors {
+    /// How high it is said to be.
+    pub(super) height: Height,
     /// Height of its last position above the ground, metres, where the ground is known; above its home where its place is
     /// not known any more.
     pub(crate) agl_m: Option<f64>,
@@ -67,7 +70,7 @@ impl FlightVehicle<'_> {
             self.motors.stood_unknown = self.is_of_unknown_height();
         }
         if is_armed {
-            self.height.take_armed();
+            self.motors.height.take_armed();
             for fix in std::mem::take(&mut self.motors.since) {
                 self.add_fix(fix);
             }
@@ -94,10 +97,10 @@ impl FlightVehicle<'_> {
         let high_m = self.motors.stood_agl_m.filter(|agl_m| *agl_m > HIGH_M);
         let end = match (self.airborne, self.instruction) {
             (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
-            (true, _) if self.motors.stood_unknown && !self.height.is_grounded() => {
+            (true, _) if self.motors.stood_unknown && !self.motors.height.is_grounded() => {
                 End::Failed(format!(
                     "stopped its motors; its height is not known since T0+{:.0} s",
-                    self.height.known_s
+                    self.motors.height.known_s
                 ))
             }
             (true, _) if let Some(high_m) = high_m.filter(|_| !self.motors.stood_unknown) => {
@@ -112,7 +115,11 @@ impl FlightVehicle<'_> {
 
     /// Whether its height came before, and does not any more or is one of before.
     fn is_of_unknown_height(&self) -> bool {
-        let was_high = self.height.known_m.is_some_and(|agl_m| agl_m > HIGH_M);
+        let was_high = self
+            .motors
+            .height
+            .known_m
+            .is_some_and(|agl_m| agl_m > HIGH_M);
         was_high && (self.motors.agl_m.is_none() || !self.is_positioned())
     }
 
@@ -173,7 +180,7 @@ impl FlightVehicle<'_> {
         if reference.lands && away_m <= near_m {
             End::Landed
         } else {
-            let of_place = self.height.of_place();
+            let of_place = self.motors.height.of_place();
             End::Failed(format!(
                 "stopped its motors {away_m:.0} m from the end of its mission{of_place}"
             ))
@@ -190,7 +197,7 @@ impl FlightVehicle<'_> {
         } else if rally_m <= near_m {
             End::ReturnedToRally
         } else {
-            let of_place = self.height.of_place();
+            let of_place = self.motors.height.of_place();
             End::Failed(format!(
                 "stopped its motors {home_m:.0} m from its home{of_place}"
             ))

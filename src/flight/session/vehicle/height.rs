@@ -45,11 +45,6 @@ impl Height {
         Amsl(position.amsl().0 + risen_m)
     }
 
-    /// A position without a place.
-    pub(super) fn take_placeless(&mut self) {
-        self.is_placed = false;
-    }
-
     pub(super) fn take_landed(&mut self, state: LandedState) {
         self.says_grounded = GROUNDED.contains(&state);
         self.is_grounded &= self.says_grounded;
@@ -78,11 +73,17 @@ impl Height {
 }
 
 impl FlightVehicle<'_> {
+    /// Takes in a position without a place.
+    pub(super) fn take_placeless(&mut self, t_s: f64, position: &Position) {
+        self.motors.height.is_placed = false;
+        self.take_height(t_s, Some(position.above_home_m()));
+    }
+
     /// Takes in how high it is above the ground, if that is known.
     pub(in crate::flight) fn take_height(&mut self, t_s: f64, agl_m: Option<f64>) {
         self.motors.agl_m = agl_m;
         if agl_m.is_some() {
-            (self.height.known_s, self.height.known_m) = (t_s, agl_m);
+            (self.motors.height.known_s, self.motors.height.known_m) = (t_s, agl_m);
         }
     }
 }

@@ -136,7 +136,7 @@ impl FlightVehicle<'_> {
                     self.progress.take_reached(row, t_s);
                 }
             }
-            FlightMessage::Landed(state) => self.height.take_landed(*state),
+            FlightMessage::Landed(state) => self.motors.height.take_landed(*state),
             FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
             FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
             FlightMessage::CommandAck {
@@ -189,8 +189,7 @@ impl FlightVehicle<'_> {
             if (position.x, position.y) == (0, 0) && self.airborne {
                 // It has lost its place, and still says how high it is.
                 let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
-                self.height.take_placeless();
-                self.take_height(t_s, Some(position.above_home_m()));
+                self.take_placeless(t_s, position);
             }
             return self.note_invalid(position);
         }
@@ -209,7 +208,7 @@ impl FlightVehicle<'_> {
         let fix = Fix {
             t_s,
             place: position.place(),
-            amsl: self.height.take(position, t_s),
+            amsl: self.motors.height.take(position, t_s),
             speed_mps: position.ground_speed_mps(),
             item: self.item,
             items: self.total.now.unwrap_or(0),
