@@ -158,7 +158,7 @@ impl TubeWatch {
         if of.cross_track_m > across_m && !is_within {
             let aside_m = of.cross_track_m;
             // One that skips items may still fly along the path to them.
-            let part = match plan.beside_m(here.point) <= across_m {
+            let part = match plan.whole_cross_track_m(here.point) <= across_m {
                 true => format!(" to item {}", here.fix.item),
                 false => String::new(),
             };

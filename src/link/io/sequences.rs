@@ -7,9 +7,9 @@ use std::collections::VecDeque;
 
 use crate::link::message::flight::Position;
 
-/// A number goes on in a sequence if it is at most so many later.
+/// A number goes on in a sequence if it is at most this much later.
 const WINDOW: u8 = 30;
-/// So many frames in a row that go on from each other, and from none of the known sequences, are one of their own: a
+/// This many frames in a row that go on from each other, and from none of the known sequences, are one of their own: a
 /// single one came late.
 const BEGINS: u8 = 3;
 /// Positions of a sequence that are remembered, and those between which one is interpolated are no further apart,
@@ -21,7 +21,7 @@ const GAP_MS: u32 = 1200;
 const APART_M: f64 = 2.0;
 const STEADY_M: f64 = 1.0;
 const STEADY_SHARE: f64 = 0.3;
-/// So many positions in a row show that.
+/// This many positions in a row show that.
 const IN_A_ROW: u8 = 12;
 /// Where both sequences have the same numbers, positions that come in turns are off the way between those before and after
 /// them, to one side and the other: by this, metres, at a time that is no further outside of that way, milliseconds.
