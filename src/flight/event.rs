@@ -1,5 +1,6 @@
 //! What an operator reads of a flight: printed, recorded, and sent to other terminals.
 
+use crate::link::as_line;
 use crate::spec::AlarmKind;
 
 /// Something that an operator wants to read.
@@ -19,7 +20,7 @@ pub struct Event {
 pub(super) fn says(text: &str) -> String {
     match text.trim().is_empty() {
         true => "says: (an empty text)".to_owned(),
-        false => format!("says: {text}"),
+        false => format!("says: {}", as_line(text)),
     }
 }
 

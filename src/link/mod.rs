@@ -42,4 +42,5 @@ pub use message::{
 };
 pub use stored_form::stored_form;
 pub use texts::TextChunks;
+pub(crate) use texts::as_line;
 pub use time::Time;

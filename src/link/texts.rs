@@ -37,6 +37,12 @@ struct Done {
     at: Time,
 }
 
+/// A text of a vehicle as a line: PX4 ends each with a tab.
+#[must_use]
+pub(crate) fn as_line(text: &str) -> String {
+    text.trim_end().replace('\t', " ")
+}
+
 /// Puts the texts of one system together.
 #[derive(Debug, Default)]
 pub struct TextChunks {

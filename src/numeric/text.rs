@@ -155,9 +155,43 @@ pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + C
     meant(word, known).map_or_else(String::new, |meant| format!(": did you mean `{meant}`?"))
 }
 
+/// The greatest hour of an offset from UTC (RFC 3339).
+const MAX_OFFSET_H: u8 = 23;
+
+/// A time with its offset from UTC; none for a text that is no such time. The parser alone takes offsets up to 25 h.
+#[must_use]
+pub fn timestamp(text: &str) -> Option<jiff::Timestamp> {
+    let time = text.parse().ok()?;
+    let clock = text.split_once(['T', 't', ' ']).map_or("", |(_, of)| of);
+    // A name of a zone may follow.
+    let clock = clock.split('[').next().unwrap_or_default();
+    let offset = clock.split(['+', '-']).nth(1);
+    let hours = offset.and_then(|of| of.get(..2)?.parse::<u8>().ok());
+    hours.is_none_or(|of| of <= MAX_OFFSET_H).then_some(time)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{JsonWriter, escaped, escaped_except, escaped_json, shell_word};
+    use super::{JsonWriter, escaped, escaped_except, escaped_json, shell_word, timestamp};
+
+    #[test]
+    fn an_offset_of_a_day_or_more_is_none() {
+        for offset in [
+            "Z",
+            "+00:00",
+            "-00:00",
+            "+23:59",
+            "-23:59",
+            "+01:00[Europe/Berlin]",
+        ] {
+            let time = format!("2026-11-27T10:00:00{offset}");
+            assert!(timestamp(&time).is_some(), "{time}");
+        }
+        for offset in ["+24:00", "-24:00", "+25:00", "+25", "-2530", "+99:00", ""] {
+            let time = format!("2026-11-27T10:00:00{offset}");
+            assert_eq!(timestamp(&time), None, "{time}");
+        }
+    }
 
     #[test]
     fn characters_that_command_a_terminal_or_hide_are_written_out() {

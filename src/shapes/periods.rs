@@ -3,6 +3,8 @@
 use jiff::Timestamp;
 use serde_json::Value;
 
+use crate::numeric::text::timestamp;
+
 /// From and to.
 pub(super) type Period = (Option<Timestamp>, Option<Timestamp>);
 
@@ -21,10 +23,9 @@ pub(super) fn hull(list: Option<&Value>) -> Result<Period, String> {
     let mut all: Option<Period> = None;
     for period in periods {
         let end = |key: &str| match period.get(key).and_then(Value::as_str) {
-            Some(text) => text
-                .parse::<Timestamp>()
+            Some(text) => timestamp(text)
                 .map(Some)
-                .map_err(|_| format!("{key} `{}` is no time", text.escape_debug())),
+                .ok_or_else(|| format!("{key} `{}` is no time", text.escape_debug())),
             None => Ok(None),
         };
         let next = (end("startDateTime")?, end("endDateTime")?);

@@ -14,7 +14,7 @@ use super::positions::Positions;
 use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
-use crate::numeric::text::open_regular;
+use crate::numeric::text::{open_regular, timestamp};
 use known::{Incomplete, Known};
 use structure::{KeysRead, Unknown};
 
@@ -139,7 +139,7 @@ impl SpecFile {
         );
         issues.extend(unread);
         // Whether it is one is checked below.
-        let t0: Option<jiff::Timestamp> = keys.t0.as_deref().and_then(|text| text.parse().ok());
+        let t0: Option<jiff::Timestamp> = keys.t0.as_deref().and_then(timestamp);
         let checked = check::check(keys, positions, table.unwrap_or_default(), &attached);
         let is_known = |issue: &Issue| !structure::is_unknown(issue, &unknown);
         issues.extend(checked.issues.into_iter().filter(is_known));

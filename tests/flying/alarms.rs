@@ -415,10 +415,11 @@ fn an_alarm_is_in_the_record_with_its_end() {
     let plan = two_with(OnAlarm::default());
     let mut sky = sky(&plan);
     sky.fly_to(FAULT_S);
-    sky.vehicles[0].fail(Fault::Jump {
-        east_m: 0.0,
-        north_m: 25.0,
-    });
+    for (north_m, until_s) in [(25.0, 5.0), (0.0, 6.0)] {
+        let east_m = 0.0;
+        sky.vehicles[0].fail(Fault::Jump { east_m, north_m });
+        sky.fly_to(FAULT_S + until_s);
+    }
     sky.fly_out();
     let mut record = plan.record(&sky);
     let mut lines: Vec<String> = sky

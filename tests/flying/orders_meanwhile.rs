@@ -135,11 +135,11 @@ fn an_order_waits_on_although_another_alarm_of_its_kind_is_over() {
     sky.fly_to(70.0);
     let waits = "on_alarm position: does not return, it continues: its way home leads into road";
     assert_eq!(count(&sky, "alpha", waits), 1, "{:?}", sky.events);
-    sky.vehicles[0].fail(Fault::Jump {
-        east_m: 0.0,
-        north_m: 25.0,
-    });
-    sky.fly_to(80.0);
+    for (north_m, until_s) in [(25.0, 70.3), (0.0, 80.0)] {
+        let east_m = 0.0;
+        sky.vehicles[0].fail(Fault::Jump { east_m, north_m });
+        sky.fly_to(until_s);
+    }
     assert!(
         sky.says("alpha", "over after 0 s (jump)"),
         "{:?}",

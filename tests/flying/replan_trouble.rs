@@ -11,7 +11,7 @@ use serde_json::Value;
 use sortie::link::{Address, Command, Decoder, Encoder, FlightMessage, Links, Message};
 use sortie::spec::Link;
 
-fn replan(folder: &Path, threat: &str) -> (Output, String, String) {
+pub(super) fn replan(folder: &Path, threat: &str) -> (Output, String, String) {
     let threat = format!("--threat={threat}");
     let output = sortie(folder, &["replan", "lanes.yaml", &threat]);
     let (told, errors) = (text(&output.stdout), text(&output.stderr));
@@ -194,7 +194,7 @@ fn who_has_no_way_around_a_threat_keeps_its_course_and_nobody_else_from_a_new_on
 }
 
 /// Has a vehicle that is flown from here leave its mission, as another ground station would.
-fn order(runs: &Path, vehicle: &str, system: u8, mode: f32) {
+pub(super) fn order(runs: &Path, vehicle: &str, system: u8, mode: f32) {
     let said = json(&runs.join("links.json"));
     let link = said["links"][vehicle].as_str().expect("a link");
     let link = Link::parse(link).expect("a link");

@@ -104,6 +104,21 @@ zones:
     assert_eq!(errors.len(), 7, "{errors:#?}");
 }
 
+#[test]
+fn a_time_with_an_offset_of_a_day_or_more_is_refused_where_it_stands() {
+    let errors = read("
+t0: 2026-11-27T10:00:00+25:00
+zones:
+  - {id: a, circle: {lat: 36.3, lon: -84.2, radius_m: 40}, active: {from: 2026-12-01T08:10:00-24:00}}
+")
+    .expect_err("bad");
+    for (path, part) in [("t0", "+25:00"), ("zones[0].active.from", "-24:00")] {
+        let found = errors.iter();
+        let found = found.filter(|error| error.contains(path) && error.contains(part));
+        assert_eq!(found.count(), 1, "{path}: {part}: {errors:#?}");
+    }
+}
+
 /// Reads a spec beside files.
 fn read_beside(files: &[(&str, &str)], more: &str) -> Result<SpecFile, Vec<String>> {
     let folder = tempfile::tempdir().expect("a folder");

@@ -9,7 +9,7 @@ use crate::flight::conformance::COLUMN_M;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::approach::Segment;
 use crate::numeric::geometry::point_segment_distance;
-use crate::spec::{Airframe, AlarmKind};
+use crate::spec::{Airframe, AlarmKind, Separation, Vehicle};
 use crate::world::Disc;
 
 /// The ground is looked at this often, metres.
@@ -316,7 +316,7 @@ impl Alarms<'_> {
         let lasts_s = way.last().map_or(0.0, |last| last.t1_s - t_s);
         let (wide_m, apart_s) = match timing {
             Timing::Within(wide_m) => (wide_m, 0.0),
-            Timing::About => (0.0, OFF_S + OFF_SHARE * lasts_s),
+            Timing::About => (0.0, off_s(lasts_s)),
         };
         limit.distance_m += wide_m;
         (0..self.vehicles.len()).find_map(|other| {
@@ -373,26 +373,51 @@ fn is_out_of(disc: &Disc, from: EastNorth, to: EastNorth) -> bool {
 fn return_way(
     of: &Watched<'_>,
     here: &Here,
+    level_and_home: (f64, PlanPoint),
+    t_s: f64,
+) -> Vec<Segment> {
+    way_of_return(of.vehicle, here.point, level_and_home, t_s)
+}
+
+/// The same of a vehicle that is here.
+pub(in crate::flight) fn way_of_return(
+    vehicle: &Vehicle,
+    here: PlanPoint,
     (level_m, home): (f64, PlanPoint),
     t_s: f64,
 ) -> Vec<Segment> {
-    let [east_m, north_m, up_m] = axes(here);
+    let here_m = [here.at.east_m, here.at.north_m, here.amsl.0];
     let home_m = [home.at.east_m, home.at.north_m, home.amsl.0];
     let over_m = [home_m[0], home_m[1], level_m];
     let climbed = (
-        [east_m, north_m, level_m],
-        (level_m - up_m).abs() / of.vehicle.climb_mps,
+        [here_m[0], here_m[1], level_m],
+        (level_m - here_m[2]).abs() / vehicle.climb_mps,
     );
-    let flown_s = here.point.at.distance_m(home.at) / of.vehicle.speed_mps;
-    let sunk_s = (level_m - home_m[2]).abs() / of.vehicle.descent_mps;
+    let flown_s = here.at.distance_m(home.at) / vehicle.speed_mps;
+    let sunk_s = (level_m - home_m[2]).abs() / vehicle.descent_mps;
     let mut way = Vec::new();
-    let mut from = (t_s, axes(here));
+    let mut from = (t_s, here_m);
     for (to_m, took_s) in [climbed, (over_m, flown_s), (home_m, sunk_s)] {
         let to = (from.0 + took_s.max(1e-3), to_m);
         way.push(Segment::between(from, to));
         from = to;
     }
     way
+}
+
+/// By how much a return that takes so long may be off its times, seconds.
+pub(in crate::flight) fn off_s(lasts_s: f64) -> f64 {
+    OFF_S + OFF_SHARE * lasts_s
+}
+
+/// How near a path comes to a way of return at about the same times, metres.
+pub(in crate::flight) fn least_m(
+    path: &[Segment],
+    way: &[Segment],
+    limit: &Separation,
+) -> Option<f64> {
+    let lasts_s = way.last()?.t1_s - way.first()?.t0_s;
+    nearest(path, way, limit, off_s(lasts_s)).map(|(away_m, _)| away_m)
 }
 
 fn axes(here: &Here) -> [f64; 3] {

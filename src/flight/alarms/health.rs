@@ -24,6 +24,8 @@ const BAD_REPORTS: u8 = 2;
 /// `FS_EKF_THRESH` of ArduPilot, and the limit of PX4's filter.
 const EKF_VARIANCE: f32 = 0.8;
 const ESTIMATOR_RATIO: f32 = 1.0;
+/// What was bad is good again below this share of its limit: a variance near it would raise one alarm after the other.
+const GOOD_SHARE: f32 = 0.6;
 /// Flags of both: absolute horizontal position known; a constant position is assumed.
 const POSITION_KNOWN: u16 = 16;
 const POSITION_CONSTANT: u16 = 128;
@@ -135,28 +137,32 @@ impl HealthState {
                 is_breached, kind, ..
             } => (self.is_breached, self.breach) = (*is_breached, *kind),
             Health::Ekf { variances, flags } => {
-                let why = wrong(variances, EKF_VARIANCE, *flags);
-                self.take_estimate(why);
+                let wrong = |limit: f32| wrong(variances, limit, *flags);
+                self.take_estimate(wrong(EKF_VARIANCE), wrong(GOOD_SHARE * EKF_VARIANCE));
             }
             Health::Estimator { ratios, flags } => {
                 // PX4 has no number for a compass that it does not use at the moment.
                 let [velocity, position, altitude, compass] = *ratios;
                 let compass = if compass.is_nan() { 0.0 } else { compass };
                 let used = [velocity, position, altitude, compass];
-                let why = wrong(&used, ESTIMATOR_RATIO, *flags).or_else(|| {
+                let wrong = |limit: f32| {
                     let has = |flag: u16| flags & flag != 0;
                     let glitch = has(GPS_GLITCH).then_some("the GPS jumps");
                     let why = glitch.or(has(ACCEL_ERROR).then_some("the accelerometer is bad"));
-                    why.map(str::to_owned)
-                });
-                self.take_estimate(why);
+                    wrong(&used, limit, *flags).or(why.map(str::to_owned))
+                };
+                let still = wrong(GOOD_SHARE * ESTIMATOR_RATIO);
+                self.take_estimate(wrong(ESTIMATOR_RATIO), still);
             }
         }
     }
 
-    fn take_estimate(&mut self, why: Option<String>) {
-        let before = self.estimate.take().map_or(0, |(_, count)| count);
-        self.estimate = why.map(|why| (why, before.saturating_add(1)));
+    /// Takes in what is wrong with its estimate, and what keeps one that was wrong from being good again.
+    fn take_estimate(&mut self, why: Option<String>, still: Option<String>) {
+        let (before, count) = self.estimate.take().unwrap_or_default();
+        let is_still_bad = count >= BAD_REPORTS && still.is_some();
+        let why = why.or(is_still_bad.then_some(before));
+        self.estimate = why.map(|why| (why, count.saturating_add(1)));
         self.estimate_age = Some(Age::default());
     }
 
@@ -297,6 +303,22 @@ mod tests {
             state.report(&Health::Estimator { ratios, flags });
         }
         state.estimate()
+    }
+
+    #[test]
+    fn a_variance_near_its_limit_is_bad_until_it_is_well_below_it() {
+        let mut state = HealthState::default();
+        let flags = super::POSITION_KNOWN;
+        let mut bad_after = |position: f32| {
+            let variances = [0.1, position, 0.1, 0.1];
+            state.report(&Health::Ekf { variances, flags });
+            state.estimate().is_some()
+        };
+        let found = [0.7, 0.9, 0.7, 0.9, 0.9, 0.7, 0.5, 0.7, 0.4, 0.7].map(&mut bad_after);
+        let expected = [
+            false, false, false, false, true, true, true, true, false, false,
+        ];
+        assert_eq!(found, expected);
     }
 
     #[test]

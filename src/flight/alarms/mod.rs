@@ -37,6 +37,8 @@ use tube::{LATE_ERROR_S, TubeWatch, assumed_late_s};
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
 const OVER_S: f64 = 3.0;
+/// One of a position estimate, which gets better and worse in turns, for this long.
+const EKF_OVER_S: f64 = 10.0;
 /// A position that is older than this is stale: seconds of flight, and of the wall's clock.
 const STALE_S: f64 = 1.5;
 const STALE_WALL_S: f64 = 0.75;
@@ -248,10 +250,11 @@ impl<'a> Alarms<'a> {
         self.spec.separation.time_slack_s
     }
 
-    /// How high a vehicle is above the ground, metres, where the ground is known.
+    /// How high a vehicle is above the ground, metres, where the ground is known and its height is not frozen.
     #[must_use]
     pub fn agl_m(&self, vehicle: usize) -> Option<f64> {
-        let here = self.vehicles.get(vehicle)?.here?;
+        let of = self.vehicles.get(vehicle)?;
+        let here = of.here.filter(|_| !of.motion.is_height_frozen())?;
         Some(here.agl_m).filter(|agl_m| agl_m.is_finite())
     }
 
@@ -315,7 +318,7 @@ impl<'a> Alarms<'a> {
                 .contains_key(&(AlarmKind::Position, vehicle, None, "frozen"));
         let is_due = is_up || was_frozen;
         let moves = is_up && of.is_on_plan() && of.tube.should_move(&of.plan, &here);
-        let (frozen, jumped) = of.motion.take(&here, position, moves);
+        let (frozen, jumped) = of.motion.take(&here, position, (moves, is_up));
         let (frozen, jumped) = (frozen.filter(|_| is_due), jumped.filter(|_| is_up));
         self.set(
             fix.t_s,
@@ -484,7 +487,7 @@ impl<'a> Alarms<'a> {
                 self.push(t_s, key, true, text);
             }
             (Some(standing), Some(_)) => standing.seen_s = t_s,
-            (Some(standing), None) if t_s - standing.seen_s >= OVER_S => {
+            (Some(standing), None) if t_s - standing.seen_s >= over_s(key.0) => {
                 let lasted_s = standing.seen_s - standing.since_s;
                 self.standing.remove(&key);
                 let is_off = [AlarmKind::Corridor, AlarmKind::Late].contains(&key.0)
@@ -511,6 +514,14 @@ impl<'a> Alarms<'a> {
             is_raised,
             text,
         });
+    }
+}
+
+/// For how long the cause of an alarm must be gone, seconds.
+fn over_s(kind: AlarmKind) -> f64 {
+    match kind {
+        AlarmKind::Ekf => EKF_OVER_S,
+        _ => OVER_S,
     }
 }
 

@@ -4,7 +4,7 @@ use crate::flight::record::Plan;
 use crate::flight::session::modes;
 use crate::link::{
     Address, Body, Command, CommandResult, FlightMessage, Heartbeat, List, Message, MissionMessage,
-    MissionResult,
+    MissionResult, as_line,
 };
 use crate::mission::VehicleMission;
 
@@ -122,7 +122,7 @@ impl Onboard {
                 self.written_by = Some((target.system, t_s));
             }
             Message::StatusText { text, .. } if explains(text) => {
-                self.cause = Some((format!("the vehicle itself: {text}"), t_s));
+                self.cause = Some((format!("the vehicle itself: {}", as_line(text)), t_s));
             }
             Message::Flight(FlightMessage::CommandAck {
                 target,

@@ -157,8 +157,13 @@ impl TubeWatch {
         let is_within = takeoff.is_some_and(|of| of.holds(here.fix.item, here.point.at));
         if of.cross_track_m > across_m && !is_within {
             let aside_m = of.cross_track_m;
+            // One that skips items may still fly along the path to them.
+            let part = match plan.whole_cross_track_m(here.point) <= across_m {
+                true => format!(" to item {}", here.fix.item),
+                false => String::new(),
+            };
             return Some(format!(
-                "{aside_m:.0} m beside its path (at most {across_m:.0} m)"
+                "{aside_m:.0} m beside its path{part} (at most {across_m:.0} m)"
             ));
         }
         let is_level = !climbs_out && !plan.follows_ground();

@@ -2,6 +2,7 @@
 
 pub(super) mod leg;
 pub(super) mod limits;
+mod missed;
 pub(super) mod proof;
 pub(super) mod reference;
 pub(super) mod report;
@@ -361,17 +362,36 @@ impl<'a> FlownTrack<'a> {
         }
     }
 
-    /// How late it was, at least, for the first waypoint that it did not pass.
+    /// How late it was, at least, where it was last on its plan: for the first waypoint that it did not pass, and for
+    /// the place on its path.
     fn overdue_s(&self) -> Option<f64> {
-        if self.ends_as_planned() || self.leaves_as_ordered() {
+        let left_s = self.flight.flown.left_s;
+        if self.ends_as_planned() || self.leaves_as_ordered() && left_s.is_none() {
             return None;
         }
-        let (part, last) = (self.parts().last()?, self.fixes().last()?);
+        let count = left_s.map_or(self.fixes().len(), |left_s| {
+            self.fixes().partition_point(|fix| fix.t_s <= left_s)
+        });
+        let index = count.checked_sub(1)?;
+        let (part, last) = (self.parts().last()?, self.fixes().get(index)?);
         let passages = self.passages(&part);
         let mut ahead = part.plan.waypoints.iter().skip(part.ahead);
         let next = ahead.find(|next| !passages.iter().any(|passed| passed.item == next.item))?;
-        let late_s = last.t_s - next.t_s;
+        let here_s = self
+            .planned_s(index)
+            .filter(|planned_s| *planned_s < next.t_s);
+        let late_s = last.t_s - here_s.unwrap_or(next.t_s);
         (late_s > 0.0).then_some(late_s)
+    }
+
+    /// The latest time at which its plan has it where a position is, seconds after T0; none for one beside its path.
+    fn planned_s(&self, index: usize) -> Option<f64> {
+        let (plan, point) = (self.plan(index)?, self.points[index]);
+        let item = self.fixes()[index].item;
+        let across_m = self.vehicle.map_or(CROSS_TRACK_M, proof::across_m);
+        let on_path = plan.deviations(item, point);
+        let on_path = on_path.filter(|of| of.distance_m() <= across_m);
+        on_path.map(|of| of.t_s).reduce(f64::max)
     }
 
     /// How near it came to each of its stops, and when.

@@ -2,9 +2,8 @@
 //! verdict has proven of a plan holds near its way alone, and what a record says of an end
 //! without positions that show it is no more than a word.
 
-use super::reference::Waypoint;
 use super::takeoff::{TakeoffTube, at_its_fastest};
-use super::{FlownTrack, GAP_S, Part};
+use super::{FlownTrack, GAP_S};
 use crate::autopilot::{Airframe, Autopilot, ParameterRow, SLOPE_MIN, facts, parameter};
 use crate::flight::launch::readiness::STANDS_M;
 use crate::flight::record::Fix;
@@ -13,7 +12,7 @@ use crate::flight::session::arrival::{ARRIVED_M, STILL_MPS, TURNED_RAD};
 use crate::flight::session::end::{End, LATE_S, LATE_SHARE};
 use crate::path::VehicleLimits;
 use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::verify::{Flown, Limit, Margin, Moment, Requirement};
+use crate::verify::{Flown, Limit, Margin, Requirement};
 use crate::world::World;
 
 /// Farther than this from its way a copter has left what was verified, metres: corners are cut
@@ -229,75 +228,6 @@ impl FlownTrack<'_> {
             until_s: passed.map_or(f64::INFINITY, |passage| passage.flown_s),
             wide_m: (1.0 - early_share) * home.point.at.distance_m(top.point.at),
         })
-    }
-
-    /// Waypoints that were not passed.
-    fn missed(&self, tube: Tube) -> Margin {
-        let parts: Vec<Part<'_>> = self.parts().collect();
-        let mut missed: Vec<(&Waypoint, String)> = Vec::new();
-        for (number, part) in parts.iter().enumerate() {
-            let passages = self.passages(part);
-            for waypoint in self.due(part, number + 1 == parts.len()) {
-                let mut passed = passages.iter().filter(|p| p.item == waypoint.item);
-                let limit_m = tube.across_m.max(tube.up_m);
-                match passed.next() {
-                    Some(passage) if passage.distance_m <= limit_m => {}
-                    Some(passage) => {
-                        let (item, away_m) = (waypoint.item, passage.distance_m);
-                        let why = match self.gap_at(passage.flown_s) {
-                            Some((from_s, to_s)) => format!(
-                                "item {item} not seen: nothing was recorded from {from_s:.0} to {to_s:.0} s"
-                            ),
-                            None => format!("item {item} passed {away_m:.0} m away"),
-                        };
-                        missed.push((waypoint, why));
-                    }
-                    None => missed.push((waypoint, format!("item {} not reached", waypoint.item))),
-                }
-            }
-        }
-        let required = at_most(Flown::WaypointsMissed, 0.0, "waypoints");
-        let count = u32::try_from(missed.len()).unwrap_or(u32::MAX);
-        let first = missed.into_iter().next();
-        let frame = parts.first().map(|part| part.plan.frame());
-        let at = first
-            .as_ref()
-            .zip(frame)
-            .map(|((waypoint, _), frame)| Moment {
-                place: frame.from_plan(waypoint.point.at),
-                amsl: waypoint.point.amsl,
-                t_s: waypoint.t_s,
-                item: waypoint.item,
-            });
-        Margin {
-            note: first.map_or_else(String::new, |(_, why)| why),
-            ..required.margin(self.id(), f64::from(count), at)
-        }
-    }
-
-    /// The time without positions that a time lies in, seconds after T0.
-    fn gap_at(&self, t_s: f64) -> Option<(f64, f64)> {
-        let mut pairs = self
-            .fixes()
-            .windows(2)
-            .map(|pair| (pair[0].t_s, pair[1].t_s));
-        pairs.find(|(from_s, to_s)| to_s - from_s > GAP_S && (*from_s..=*to_s).contains(&t_s))
-    }
-
-    /// The waypoints that had to be passed while a plan was flown: all that were ahead, of a plan
-    /// that another took the place of those before the item that was flown to. Not the last
-    /// item, which the last position shows, nor the place where a climb-out ends.
-    fn due<'p>(&self, part: &Part<'p>, is_last: bool) -> impl Iterator<Item = &'p Waypoint> {
-        let waypoints = part.plan.waypoints.iter();
-        let last = waypoints.clone().next_back().map_or(0, |last| last.item);
-        let fixes = &self.fixes()[part.fixes.clone()];
-        let begun = fixes.iter().map(|fix| fix.item).max().unwrap_or(0);
-        let until = if is_last { last } else { begun.min(last) };
-        let climbs_out = self.airframe == Airframe::Plane && part.fixes.start == 0;
-        let first = part.ahead + usize::from(climbs_out);
-        waypoints
-            .skip(first)
-            .filter(move |waypoint| waypoint.item < until)
     }
 
     /// It was where the spec has its goal.

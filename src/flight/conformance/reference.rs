@@ -212,6 +212,13 @@ impl Reference {
             .min_by(|a, b| a.distance_m().total_cmp(&b.distance_m()))
     }
 
+    /// Cross-track error of a point from the nearest leg of the whole path, metres.
+    pub(crate) fn whole_cross_track_m(&self, point: PlanPoint) -> f64 {
+        let legs = self.waypoints.windows(2);
+        let errors_m = legs.map(|pair| Deviation::of(point, &pair[0], &pair[1]).cross_track_m);
+        errors_m.fold(f64::INFINITY, f64::min)
+    }
+
     /// How far a point is from each of the legs around the way to an item.
     pub(crate) fn deviations(
         &self,

@@ -29,8 +29,8 @@ pub struct VehicleReport {
     pub altitude_error_m: Option<Spread>,
     /// When it passed its waypoints.
     pub passages: Vec<Passage>,
-    /// Of a flight that did not end as planned: how late it was at least for the first waypoint that
-    /// it did not pass, seconds.
+    /// Of a flight that did not end as planned: how late it was at least, where it was last on its plan, for its place
+    /// and for the first waypoint that it did not pass, seconds.
     pub overdue_s: Option<f64>,
     /// When it was at its stops, in the order of the spec.
     pub stops: Vec<MadeStop>,

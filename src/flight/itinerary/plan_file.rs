@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::stops::{Itinerary, ItineraryStop, Service, ServiceKind};
+use crate::mission::corner_cut_m;
 use crate::spec::{MissionSpec, SweepShape, Task, Vehicle};
 
 /// A stop of the spec this near one of the plan is that one, metres.
@@ -53,6 +54,9 @@ fn itinerary(planned: &Planned, vehicle: &Vehicle, spec: &MissionSpec) -> Itiner
         stops: planned.stops.clone(),
         services: Vec::new(),
     };
+    for stop in &mut itinerary.stops {
+        stop.near_m = near_m(&stop.id, vehicle, spec);
+    }
     let sites = itinerary.sites();
     let own = vehicle.stops.iter().filter_map(|stop| {
         let is_it = |&at: &usize| {
@@ -82,6 +86,22 @@ fn itinerary(planned: &Planned, vehicle: &Vehicle, spec: &MissionSpec) -> Itiner
     services.sort_by_key(|service| service.stops.first().copied());
     itinerary.services = services;
     itinerary
+}
+
+/// How near a copter must come to a stop of the plan, metres: as the verdict has it.
+fn near_m(id: &str, vehicle: &Vehicle, spec: &MissionSpec) -> Option<f64> {
+    if vehicle.airframe.has_wing() {
+        return None;
+    }
+    let options = &spec.mission;
+    let usual_m = corner_cut_m(options).max(options.tolerance_m);
+    let of_tasks = spec.tasks.iter().flat_map(|task| &task.stops);
+    let named = vehicle.stops.iter().chain(of_tasks).filter(|stop| {
+        let mut parts = id.split(" + ");
+        stop.id == id || parts.any(|part| part == stop.id)
+    });
+    let radii = named.map(|stop| vehicle.radius_at_m(stop, usual_m));
+    Some(radii.reduce(f64::max).unwrap_or(usual_m))
 }
 
 fn kind(task: &Task) -> ServiceKind {

@@ -20,6 +20,8 @@ use crate::spec::Airframe;
 /// So near to a stop a copter is at it, metres; a wing takes its waypoints earlier.
 pub(crate) const STOP_M: f64 = 25.0;
 pub(crate) const WING_STOP_M: f64 = 150.0;
+/// Positions are off by so much, metres.
+const ERROR_M: f64 = 3.0;
 /// A copter that rests is slower than this, m/s.
 const RESTS_MPS: f64 = 1.0;
 /// What is missing of a stay may not have been seen, seconds.
@@ -53,6 +55,8 @@ struct AtStop {
     rows: Vec<usize>,
     /// When it was last seen at the stop.
     until_s: f64,
+    /// How near it came to the stop on its way to a row of it, metres.
+    nearest_m: Option<f64>,
     /// Since when it flies to a row behind the stop.
     passed_s: Option<f64>,
     /// The highest and the lowest altitude there, metres AMSL.
@@ -151,7 +155,7 @@ impl Progress {
 
     /// Takes in a position.
     pub(crate) fn take(&mut self, fix: &Fix) {
-        self.here = Some(fix.place);
+        let before = self.here.replace(fix.place).unwrap_or(fix.place);
         self.change_mission(fix.items);
         for at in 0..self.stops.len() {
             let Some(rows) = self.rows(at) else { continue };
@@ -159,6 +163,12 @@ impl Progress {
                 continue;
             }
             let is_near = self.sites[at].chord_m(fix.place) < self.near_m();
+            let passed_s = self.stops[at].passed_s;
+            let has_passed = passed_s.is_some_and(|passed_s| fix.t_s - passed_s >= LATE_S);
+            if is_near && fix.item >= rows.first() && !has_passed {
+                let away_m = from_leg_m(self.sites[at], before, fix.place);
+                self.stops[at].come_near(away_m);
+            }
             if rows.waypoints.contains(&fix.item) && is_near {
                 self.take_at_stop(at, fix);
             } else if fix.item > rows.last() {
@@ -184,7 +194,7 @@ impl Progress {
             let stayed_s = stop.seen.begun_s.map_or(0.0, |begun_s| t_s - begun_s);
             let stayed = stayed_s >= (1.0 - BRAKES_SHARE) * rows.rest_s - BRAKES_S;
             let is_last = row == rows.last();
-            if is_last && stayed && stop.has_been_at(&rows) && stop.has_come_down(&rows) {
+            if is_last && stayed && self.is_made(at, &rows) {
                 self.finish(at, t_s);
             }
         }
@@ -232,12 +242,39 @@ impl Progress {
         let passed_s = *stop.passed_s.get_or_insert(t_s);
         let stayed_s = stop.seen.begun_s.map(|begun_s| stop.until_s - begun_s);
         let stayed = stayed_s.is_some_and(|stayed_s| stayed_s >= rows.rest_s - UNSEEN_S);
-        if stayed && stop.has_been_at(rows) && stop.has_come_down(rows) {
+        let is_missed = stop.seen.is_missed;
+        if stayed && self.is_made(at, rows) {
             self.finish(at, passed_s);
-        } else if t_s - passed_s >= LATE_S && !stop.seen.is_missed {
+        } else if t_s - passed_s >= LATE_S && !is_missed {
             let before = self.served();
             self.stops[at].seen.is_missed = true;
             self.report(&before);
+        }
+    }
+
+    /// Whether it was at a stop for each of its rows, near enough, and came down where it has to.
+    fn is_made(&self, at: usize, rows: &StopRows) -> bool {
+        let stop = &self.stops[at];
+        self.too_far(at).is_none() && stop.has_been_at(rows) && stop.has_come_down(rows)
+    }
+
+    /// How near it came to a stop, and how near it had to, metres, if that was not near enough.
+    fn too_far(&self, at: usize) -> Option<(f64, f64)> {
+        let far = self.stops[at]
+            .nearest_m
+            .zip(self.itinerary.stops[at].near_m);
+        far.filter(|(nearest_m, near_m)| *nearest_m > near_m + ERROR_M)
+    }
+
+    /// Why a service is missed, in words.
+    fn why_missed(&self, service: &Service) -> String {
+        let own = service.stops.iter();
+        let mut missed = own.filter(|at| self.stops[**at].seen.is_missed);
+        match missed.find_map(|at| self.too_far(*at)) {
+            Some((nearest_m, near_m)) => {
+                format!("it came no nearer than {nearest_m:.0} m (at most {near_m:.0} m)")
+            }
+            None => "it went on without being seen to do it".to_owned(),
         }
     }
 
@@ -274,9 +311,8 @@ impl Progress {
                         .push_back(format!("{label} done ({done} of {all})"));
                 }
                 ServiceState::Missed => {
-                    self.news.push_back(format!(
-                        "{label} missed: it went on without being seen to do it"
-                    ));
+                    let why = self.why_missed(service);
+                    self.news.push_back(format!("{label} missed: {why}"));
                 }
                 ServiceState::Left => {}
             }
@@ -284,7 +320,25 @@ impl Progress {
     }
 }
 
+/// How far a place is from the straight way between two others, metres.
+fn from_leg_m(place: LatLon, from: LatLon, to: LatLon) -> f64 {
+    let [a_m, b_m, leg_m] = [place.chord_m(from), place.chord_m(to), from.chord_m(to)];
+    let along_m = (a_m * a_m - b_m * b_m + leg_m * leg_m) / (2.0 * leg_m);
+    // Of two at one place that is no number.
+    match (0.0..=leg_m).contains(&along_m) {
+        true => (a_m * a_m - along_m * along_m).max(0.0).sqrt(),
+        false => a_m.min(b_m),
+    }
+}
+
 impl AtStop {
+    fn come_near(&mut self, away_m: f64) {
+        let nearest_m = self
+            .nearest_m
+            .map_or(away_m, |nearest_m| nearest_m.min(away_m));
+        self.nearest_m = Some(nearest_m);
+    }
+
     fn see(&mut self, row: usize) {
         if !self.rows.contains(&row) {
             self.rows.push(row);

@@ -26,6 +26,10 @@ impl StopRows {
         self.waypoints.last().copied().unwrap_or(0)
     }
 
+    pub(crate) fn first(&self) -> usize {
+        self.waypoints.first().copied().unwrap_or(0)
+    }
+
     /// Whether the stop is ahead of a vehicle that flies to a row, or is being made.
     pub(crate) fn is_left(&self, row: usize) -> bool {
         self.last() >= row

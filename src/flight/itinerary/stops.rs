@@ -27,6 +27,9 @@ pub struct ItineraryStop {
     pub lon_deg: f64,
     /// How long the vehicle stays there, seconds; 0 where it flies past.
     pub rest_s: f64,
+    /// How near a copter must come, metres; none where that is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near_m: Option<f64>,
     /// What it does there, by the keys of the spec.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub actions: Vec<String>,

@@ -38,6 +38,8 @@ pub struct Flown {
     pub ordered: Action,
     /// When, seconds after T0; none of a flight that was ordered nothing.
     pub ordered_s: Option<f64>,
+    /// Since when it has been off its mission as ordered, whatever it was ordered after that.
+    pub left_s: Option<f64>,
 }
 
 /// A plan, and its mark in what a vehicle reports.
@@ -127,6 +129,13 @@ impl Record {
 }
 
 impl Flown {
+    /// Takes down what it is ordered to do, from a time in seconds after T0 on.
+    pub(super) fn take_order(&mut self, order: Action, t_s: f64) {
+        (self.ordered, self.ordered_s) = (order, Some(t_s));
+        let is_off = order != Action::Continue;
+        self.left_s = is_off.then(|| self.left_s.unwrap_or(t_s));
+    }
+
     /// Takes down that an item was said to be reached; whether that is news. PX4 says it ten
     /// times. A plan that it is given on the way begins at the first item again. A vehicle that
     /// says it of many items at once is not believed all of it.

@@ -209,7 +209,7 @@ impl Reading {
     fn order(&mut self, t_s: f64, vehicle: &str, order: Action) -> Result<(), String> {
         self.check(t_s, vehicle)?;
         let flown = &mut self.of(vehicle).flown;
-        (flown.ordered, flown.ordered_s) = (order, Some(t_s));
+        flown.take_order(order, t_s);
         Ok(())
     }
 

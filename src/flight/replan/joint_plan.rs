@@ -4,6 +4,7 @@
 //! departs from where it is. The verdict judges the items that a vehicle has ahead: those that it
 //! retains and the new ones.
 
+mod returns;
 mod stays;
 mod unaffected;
 
@@ -32,6 +33,8 @@ pub(super) struct Replanned {
     pub(super) missions: Vec<NewMission>,
     pub(super) review: Review,
     pub(super) has_buffers: bool,
+    /// Whether a new path comes near a way on which another vehicle returns.
+    meets_return: bool,
 }
 
 /// Plans the concerned vehicles around the threat and around all others, and judges everything.
@@ -40,9 +43,18 @@ pub(super) struct Replanned {
 pub(super) fn replan(given: &mut Assessment<'_>, no_path: &mut NoPath) -> Replanned {
     let is_buffered = given.plan.spec().buffers != Buffers::NONE;
     loop {
-        let mut found = attempt(given, true);
+        // Around ways of return with much time to spare, if that can be.
+        let slack_s = JointPlan::of(given).return_slack_s();
+        let mut found = attempt(given, true, slack_s);
+        if slack_s.is_some() && !given.is_sound(&found.review) {
+            found = attempt(given, true, None);
+        }
         if is_buffered && !given.is_sound(&found.review) {
-            found = attempt(given, false);
+            let limits_alone = attempt(given, false, None);
+            // That it comes near a way of return says more than what else is broken.
+            if given.is_sound(&limits_alone.review) || !found.meets_return {
+                found = limits_alone;
+            }
         }
         if given.is_sound(&found.review) || !given.give_up(&found.review, no_path) {
             given.drop_verified_limits(&mut found.review);
@@ -53,9 +65,11 @@ pub(super) fn replan(given: &mut Assessment<'_>, no_path: &mut NoPath) -> Replan
 }
 
 /// One plan after the other, each with wider distances, until one is sound.
-fn attempt(given: &Assessment<'_>, has_buffers: bool) -> Replanned {
+fn attempt(given: &Assessment<'_>, has_buffers: bool, slack_s: Option<f64>) -> Replanned {
     let plan = |distance: f64| {
-        let joint = JointPlan::of(given);
+        let mut joint = JointPlan::of(given);
+        let least_s = &mut joint.spec.separation.time_slack_s;
+        *least_s = least_s.max(slack_s.unwrap_or(0.0));
         let joint = if has_buffers {
             joint
         } else {
@@ -66,16 +80,14 @@ fn attempt(given: &Assessment<'_>, has_buffers: bool) -> Replanned {
     let [first, wider @ ..] = BUFFERS;
     let mut found = plan(first);
     for distance in wider {
-        if given.is_sound(&found.1) {
+        if given.is_sound(&found.review) || found.meets_return {
             break;
         }
         found = plan(distance);
     }
-    let (missions, review) = found;
     Replanned {
-        missions,
-        review,
         has_buffers,
+        ..found
     }
 }
 
@@ -89,6 +101,8 @@ struct JointPlan<'a> {
     /// Of each vehicle the row that it flies to, and the row on board of each judged item.
     rows: Vec<(usize, Vec<usize>)>,
     problems: Vec<Margin>,
+    /// Those of new paths that come near a way on which another vehicle returns.
+    returns_met: Vec<Margin>,
 }
 
 impl<'a> JointPlan<'a> {
@@ -110,6 +124,7 @@ impl<'a> JointPlan<'a> {
             missions: Vec::new(),
             rows: Vec::new(),
             problems: Vec::new(),
+            returns_met: Vec::new(),
         };
         joint.world.stations.clear();
         joint.world.tasks.clear();
@@ -129,7 +144,7 @@ impl<'a> JointPlan<'a> {
         self
     }
 
-    fn replan(mut self, buffer: f64) -> (Vec<NewMission>, Review) {
+    fn replan(mut self, buffer: f64) -> Replanned {
         let given = self.given;
         for state in &given.others {
             if state.stands {
@@ -334,6 +349,8 @@ impl<'a> JointPlan<'a> {
         let departure = state.departure(self.given.now_s);
         self.add_with_stops(state, (state.here, last), departure);
         self.commit(state, &path, VehicleMission { items, ..built }, rows);
+        let from_s = self.given.now_s + branch.distance_m / self.vehicle(state).speed_mps;
+        self.check_returns(state, from_s);
         if found.is_none() {
             let why = "its items ahead are not one after the other";
             self.problem(state, Limit::ItemsAhead, why);
@@ -433,7 +450,7 @@ impl<'a> JointPlan<'a> {
     }
 
     /// Judges the whole fleet, and takes the times of the new plans from the verdict.
-    fn judge(self, mut new: Vec<NewMission>) -> (Vec<NewMission>, Review) {
+    fn judge(self, mut new: Vec<NewMission>) -> Replanned {
         let judged: Vec<(usize, &VehicleMission)> = self.missions.iter().enumerate().collect();
         let mut review = verify::review(&self.spec, &self.world, &judged);
         // Off its place is better than through a threat; the flight is judged by where it lands.
@@ -441,6 +458,8 @@ impl<'a> JointPlan<'a> {
         review
             .margins
             .retain(|margin| !is_driven_off(margin, fleet));
+        let meets_return = !self.returns_met.is_empty();
+        review.margins.splice(0..0, self.returns_met);
         review.margins.extend(self.problems);
         let others = self.missions.len() - new.len().min(self.missions.len());
         for (new, index) in new.iter_mut().zip(others..) {
@@ -460,7 +479,12 @@ impl<'a> JointPlan<'a> {
                 at.item = *row.unwrap_or(current);
             }
         }
-        (new, review)
+        Replanned {
+            missions: new,
+            review,
+            has_buffers: true,
+            meets_return,
+        }
     }
 }
 

@@ -185,6 +185,7 @@ impl<'a> Replanner<'a> {
                 missions,
                 review,
                 has_buffers,
+                ..
             } = replan(&mut assessment, &mut no_path);
             let planned_s = self.clock.seconds() - observation.at_s;
             let is_sound = assessment.is_sound(&review);

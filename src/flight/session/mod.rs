@@ -356,10 +356,10 @@ impl<'a> Fleet<'a> {
                 .instruction
                 .map_or(Action::Continue, Instruction::action);
             if let Some(t_s) = t_s.filter(|_| vehicle.is_watched())
-                && std::mem::replace(&mut vehicle.flown.ordered, ordered) != ordered
+                && vehicle.flown.ordered != ordered
             {
                 let id = vehicle.of.vehicle.to_owned();
-                vehicle.flown.ordered_s = Some(t_s);
+                vehicle.flown.take_order(ordered, t_s);
                 self.orders.push_back((t_s, id, ordered));
             }
             if matches!(vehicle.stage, Stage::Ended) {

@@ -3,6 +3,7 @@
 mod arming;
 mod checks;
 mod ending;
+mod height;
 mod hold;
 mod messages;
 mod obeying;

@@ -53,8 +53,13 @@ impl Decoder {
                 MAVLinkMessageRaw::V1(v1) => (v1.component_id(), Version::One, v1.raw_bytes()),
                 MAVLinkMessageRaw::V2(v2) => (v2.component_id(), Version::Two, v2.raw_bytes()),
             };
+            let number = match &raw {
+                MAVLinkMessageRaw::V1(v1) => v1.sequence(),
+                MAVLinkMessageRaw::V2(v2) => v2.sequence(),
+            };
             return Some(Frame {
                 from: Address { system, component },
+                number,
                 version,
                 message: read_payload(raw.message_id(), raw.payload()),
                 bytes: bytes.to_vec(),
@@ -66,6 +71,8 @@ impl Decoder {
 /// One received frame.
 pub(in crate::link) struct Frame {
     pub(in crate::link) from: Address,
+    /// Its number in the sequence of its sender.
+    pub(in crate::link) number: u8,
     pub(in crate::link) version: Version,
     /// `None` for a message that this project does not use.
     pub(in crate::link) message: Option<Message>,

@@ -3,6 +3,7 @@
 pub(super) mod links;
 mod peers;
 pub(super) mod radio;
+mod sequences;
 mod socket;
 mod tcp;
 pub(super) mod tlog;

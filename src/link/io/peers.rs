@@ -3,10 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::SocketAddr;
 
+use super::sequences::Sequences;
 use super::twins::Twins;
 use crate::link::codec::{Decoder, Frame};
+use crate::link::message::Message;
 use crate::link::message::flight::FlightMessage;
-use crate::link::message::{Address, Message};
 use crate::link::time::Time;
 
 /// Most addresses that are remembered: twice as many as there are system ids, so that one
@@ -22,8 +23,8 @@ const MOVED_MS: u64 = 1500;
 pub(crate) struct Peers {
     decoders: BTreeMap<SocketAddr, Peer>,
     routes: BTreeMap<u8, Route>,
-    /// The positions of each system, of the component that sent the first.
-    positions: BTreeMap<u8, (u8, Twins)>,
+    /// The positions and the numbers of the frames of each system, of the component that sent the first position.
+    positions: BTreeMap<u8, (u8, Twins, Sequences)>,
     receptions: u64,
 }
 
@@ -64,14 +65,24 @@ impl Peers {
         }
     }
 
-    /// Whether positions with one system id come from two vehicles, by a message of it.
-    pub(crate) fn are_two(&mut self, from: Address, message: &Message) -> bool {
-        let Message::Flight(FlightMessage::Position(position)) = message else {
+    /// Whether positions with one system id come from two vehicles, by a frame of it.
+    pub(crate) fn are_two(&mut self, frame: &Frame) -> bool {
+        let from = frame.from;
+        let position = match &frame.message {
+            Some(Message::Flight(FlightMessage::Position(position))) => Some(position),
+            _ => None,
+        };
+        if position.is_some() {
+            let first = || (from.component, Twins::default(), Sequences::default());
+            self.positions.entry(from.system).or_insert_with(first);
+        }
+        // Numbers of who sends no positions do not matter.
+        let known = self.positions.get_mut(&from.system);
+        let Some((_, twins, sequences)) = known.filter(|of| of.0 == from.component) else {
             return false;
         };
-        let first = (from.component, Twins::default());
-        let (component, twins) = self.positions.entry(from.system).or_insert(first);
-        *component == from.component && twins.take(position)
+        let are_apart = position.is_some_and(|position| twins.take(position));
+        sequences.take(frame.number, position) || are_apart
     }
 
     /// Where a system was heard.

@@ -85,12 +85,12 @@ impl<'a> Radio<'a> {
                     received.extend(both.map(|at| Received::DuplicateSystem(system, at)));
                 }
                 None => {
+                    if self.peers.are_two(&frame) {
+                        received.push(Received::DuplicateSystem(system, [from; 2]));
+                    }
                     let Some(message) = frame.message else {
                         continue;
                     };
-                    if self.peers.are_two(frame.from, &message) {
-                        received.push(Received::DuplicateSystem(system, [from; 2]));
-                    }
                     received.push(Received::Message(frame.from, frame.version, message));
                 }
             }

@@ -10,6 +10,7 @@ use super::keep_in::outside;
 use super::map::are_near;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame, flight_level};
 use crate::numeric::digits;
+use crate::numeric::text::timestamp;
 
 /// What heights and times of zones refer to.
 #[derive(Clone, Copy)]
@@ -52,10 +53,10 @@ impl Checker {
     }
 
     fn time(&mut self, path: &str, text: &str) -> Option<Timestamp> {
-        let time = text.parse().ok();
+        let time = timestamp(text);
         if time.is_none() {
             let found = format!("`{}`", text.escape_debug());
-            let allowed = "a time such as 2026-12-01T08:00:00Z or 2026-12-01T09:00:00+01:00";
+            let allowed = "a time such as 2026-12-01T08:00:00Z or 2026-12-01T09:00:00+01:00, with an offset of at most 23:59";
             self.report(path, found, allowed);
         }
         time

@@ -84,7 +84,7 @@ impl<'a> Fleet<'a> {
             && flies
         {
             alarms.position(t_s, index, fix, position);
-            vehicle.motors.agl_m = alarms.agl_m(index);
+            vehicle.take_height(t_s, alarms.agl_m(index));
         }
     }
 

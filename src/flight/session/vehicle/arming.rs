@@ -5,7 +5,7 @@ use super::{FlightVehicle, Instruction, Stage};
 use crate::autopilot::{Autopilot, parameter};
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
-use crate::link::{FlightMessage, Heartbeat, Message, Time};
+use crate::link::{FlightMessage, Heartbeat, Message, Time, as_line};
 use crate::spec::Airframe;
 
 /// How long arming is tried, milliseconds: position estimates settle after a start.
@@ -225,9 +225,9 @@ impl FlightVehicle<'_> {
 
     /// Remembers a text that it sent while it was armed.
     pub(crate) fn warn(&mut self, text: &str) {
-        let is_known = self.warnings.iter().any(|known| known == text);
-        if !is_known && self.warnings.len() < MAX_WARNINGS {
-            self.warnings.push(text.to_owned());
+        let text = as_line(text);
+        if !self.warnings.contains(&text) && self.warnings.len() < MAX_WARNINGS {
+            self.warnings.push(text);
         }
     }
 

@@ -1,6 +1,7 @@
 //! How a flight comes to its end: on the ground, or where it stays in the air.
 
 use super::arming::BEATS;
+use super::height::Height;
 use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
@@ -26,6 +27,8 @@ const RESTS_M: f64 = 1.0;
 /// Heartbeats in a row: one alone may be of another component, or wrong.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Motors {
+    /// How high it is said to be.
+    pub(super) height: Height,
     /// Height of its last position above the ground, metres, where the ground is known; above its home where its place is
     /// not known any more.
     pub(crate) agl_m: Option<f64>,
@@ -39,8 +42,9 @@ pub(crate) struct Motors {
     ended: bool,
     /// When the first heartbeat showed them to stand, seconds after T0.
     stood_s: Option<f64>,
-    /// How high above the ground it was then, metres.
+    /// How high above the ground it was then, metres; and whether that was not known.
     stood_agl_m: Option<f64>,
+    stood_unknown: bool,
     /// Since when it has rested on the ground, seconds after T0, and its altitude there, metres.
     rests: Option<(f64, f64)>,
     /// Whether it was high above the ground.
@@ -63,8 +67,10 @@ impl FlightVehicle<'_> {
         };
         if stand == 0 && !is_armed {
             (self.motors.stood_s, self.motors.stood_agl_m) = (Some(t_s), self.motors.agl_m);
+            self.motors.stood_unknown = self.is_of_unknown_height();
         }
         if is_armed {
+            self.motors.height.take_armed();
             for fix in std::mem::take(&mut self.motors.since) {
                 self.add_fix(fix);
             }
@@ -91,9 +97,35 @@ impl FlightVehicle<'_> {
         let high_m = self.motors.stood_agl_m.filter(|agl_m| *agl_m > HIGH_M);
         let end = match (self.airborne, self.instruction) {
             (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
-            (true, _) if let Some(high_m) = high_m => {
+            (true, _) if self.motors.stood_unknown && !self.motors.height.is_grounded() => {
+                End::Failed(format!(
+                    "stopped its motors; its height is not known since T0+{:.0} s",
+                    self.motors.height.known_s
+                ))
+            }
+            (true, _) if let Some(high_m) = high_m.filter(|_| !self.motors.stood_unknown) => {
                 End::Failed(format!("stopped its motors {high_m:.0} m over the ground"))
             }
+            (true, _) => self.on_ground(custom_mode),
+        };
+        self.end(end);
+        self.flown.until_s = self.motors.stood_s;
+        self.motors.ended = true;
+    }
+
+    /// Whether its height came before, and does not any more or is one of before.
+    fn is_of_unknown_height(&self) -> bool {
+        let was_high = self
+            .motors
+            .height
+            .known_m
+            .is_some_and(|agl_m| agl_m > HIGH_M);
+        was_high && (self.motors.agl_m.is_none() || !self.is_positioned())
+    }
+
+    /// It stopped its motors on the ground: how its flight ended.
+    fn on_ground(&self, custom_mode: u32) -> End {
+        match (self.airborne, self.instruction) {
             (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => End::StoppedAfterHold,
             (true, Some(Instruction::Land))
                 if self.hold.was_in_mode() || modes::is_land(self.of.mission, custom_mode) =>
@@ -104,11 +136,8 @@ impl FlightVehicle<'_> {
                 }
             }
             (true, Some(Instruction::Return)) if self.hold.was_in_mode() => self.returned(),
-            (true, _) => self.landing(),
-        };
-        self.end(end);
-        self.flown.until_s = self.motors.stood_s;
-        self.motors.ended = true;
+            _ => self.landing(),
+        }
     }
 
     /// Its motors were seen to stand, and it flies: it is watched again.
@@ -151,8 +180,9 @@ impl FlightVehicle<'_> {
         if reference.lands && away_m <= near_m {
             End::Landed
         } else {
+            let of_place = self.motors.height.of_place();
             End::Failed(format!(
-                "stopped its motors {away_m:.0} m from the end of its mission"
+                "stopped its motors {away_m:.0} m from the end of its mission{of_place}"
             ))
         }
     }
@@ -167,7 +197,10 @@ impl FlightVehicle<'_> {
         } else if rally_m <= near_m {
             End::ReturnedToRally
         } else {
-            End::Failed(format!("stopped its motors {home_m:.0} m from its home"))
+            let of_place = self.motors.height.of_place();
+            End::Failed(format!(
+                "stopped its motors {home_m:.0} m from its home{of_place}"
+            ))
         }
     }
 

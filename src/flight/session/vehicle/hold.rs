@@ -200,9 +200,9 @@ impl FlightVehicle<'_> {
         } else {
             "its mode is another one; it is ordered again"
         };
-        let away_m = from.chord_m(fix.place);
+        let (away_m, of_place) = (from.chord_m(fix.place), self.motors.height.of_place());
         self.said.push_back(format!(
-            "hold not confirmed: {why} ({away_m:.0} m from where it was ordered to)"
+            "hold not confirmed: {why} ({away_m:.0} m from where it was ordered to{of_place})"
         ));
     }
 
@@ -246,6 +246,11 @@ impl FlightVehicle<'_> {
 
     /// Whether it is known where it is now: a way that was judged from elsewhere is not ordered.
     pub(crate) fn is_placed(&self) -> bool {
+        self.is_positioned() && self.motors.height.is_placed()
+    }
+
+    /// Whether a position came a short time ago.
+    pub(super) fn is_positioned(&self) -> bool {
         self.position_at
             .is_some_and(|at| self.now - at <= PLACED_MS)
     }

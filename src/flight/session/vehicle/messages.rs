@@ -136,6 +136,7 @@ impl FlightVehicle<'_> {
                     self.progress.take_reached(row, t_s);
                 }
             }
+            FlightMessage::Landed(state) => self.motors.height.take_landed(*state),
             FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
             FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
             FlightMessage::CommandAck {
@@ -187,7 +188,8 @@ impl FlightVehicle<'_> {
         if !position.is_known() {
             if (position.x, position.y) == (0, 0) && self.airborne {
                 // It has lost its place, and still says how high it is.
-                self.motors.agl_m = Some(position.above_home_m());
+                let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
+                self.take_placeless(t_s, position);
             }
             return self.note_invalid(position);
         }
@@ -202,10 +204,11 @@ impl FlightVehicle<'_> {
             self.said.push_back(clock_jumped(jump_s));
         }
         let at_ms = aligned.at_ms;
+        let t_s = (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0;
         let fix = Fix {
-            t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
+            t_s,
             place: position.place(),
-            amsl: position.amsl(),
+            amsl: self.motors.height.take(position, t_s),
             speed_mps: position.ground_speed_mps(),
             item: self.item,
             items: self.total.now.unwrap_or(0),
@@ -236,6 +239,9 @@ impl FlightVehicle<'_> {
             if fix.t_s >= 0.0 {
                 self.record_fix(fix);
             }
+        } else if matches!(self.stage, Stage::Disarming(_)) && !self.flown.fixes.is_empty() {
+            // Its flight is not over before its motors stand, or are left running.
+            self.record_fix(fix);
         }
     }
 

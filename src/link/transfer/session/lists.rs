@@ -2,6 +2,7 @@
 
 use super::{MAX_TEXTS, ORDER, Session, Stage};
 use crate::link::message::{AUTOPILOT_GENERIC, Address, List, Message, MissionResult, Route};
+use crate::link::texts::as_line;
 use crate::link::time::Time;
 use crate::link::transfer::clear::Clear;
 use crate::link::transfer::download::DownloadError;
@@ -219,11 +220,12 @@ impl<'a> Session<'a> {
 
     /// Takes in what the vehicle says.
     pub(crate) fn text(&mut self, from: Address, text: &str) {
-        let is_new = self.texts.last().is_none_or(|last| last != text);
+        let text = as_line(text);
+        self.look_for_rejection(from, &text);
+        let is_new = self.texts.last().is_none_or(|last| *last != text);
         if self.is_of_autopilot(from) && is_new && self.texts.len() < MAX_TEXTS {
-            self.texts.push(text.to_owned());
+            self.texts.push(text);
         }
-        self.look_for_rejection(from, text);
     }
 
     /// The same of texts that came in pieces.
