@@ -28,7 +28,8 @@ const SLIGHT_M: f64 = 0.5;
 const NEAREST_M: f64 = 0.5;
 /// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
 const OVER_TERRAIN_M: f64 = 1.5;
-/// The least of it for the height above ground, which costs all along the path.
+/// The least that is added to the height above ground, which costs all along the path, and to a small
+/// buffer.
 const HIGHER_M: f64 = 0.25;
 /// How much further from its limits a path is moved that needs too many items.
 const FURTHER: f64 = 3.0;
@@ -80,6 +81,7 @@ impl Strictness {
             .collect();
         let index = |id: &str| ids.get(id).copied();
         let mut again = BTreeSet::new();
+        let before = self.margins.clone();
         for margin in review.margins.iter().filter(|margin| !margin.ok) {
             let Some(repair) = margin.limit.repair() else {
                 if margin.limit == Limit::Encoding
@@ -98,7 +100,7 @@ impl Strictness {
             let can_wait = spec.vehicles[vehicle].retiming.depart_s.is_some();
             let path = &plan.vehicles[vehicle];
             if can_repair(path, margin, repair, can_wait)
-                && self.tighten_one(vehicle, margin, repair, spec)
+                && self.tighten_one(vehicle, margin, (repair, &before[vehicle]), spec)
             {
                 self.parameters[vehicle].extend(parameters_at(path, margin, world));
                 again.insert(vehicle);
@@ -129,7 +131,7 @@ impl Strictness {
         &mut self,
         vehicle: usize,
         margin: &Margin,
-        repair: Repair,
+        (repair, before): (Repair, &Margins),
         spec: &MissionSpec,
     ) -> bool {
         let missing = -margin.slack();
@@ -148,7 +150,10 @@ impl Strictness {
                 margins.under_m = raised_m(margins.under_m, missing + EXTRA_M, spec);
             }
             Repair::Obstacle => {
-                margins.threat_m = raised_m(margins.threat_m, missing + EXTRA_M, spec);
+                // One path may break more limits at one place, which need no more together.
+                let more_m = missing + (0.5 * before.threat_m).clamp(HIGHER_M, EXTRA_M);
+                let raised_m = raised_m(before.threat_m, more_m, spec);
+                margins.threat_m = margins.threat_m.max(raised_m);
             }
             Repair::Separation => {
                 // A greater distance is enough for most pairs, and a time shift costs more in a

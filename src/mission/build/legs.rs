@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::encode::quarter_up;
 use crate::geodesy::Amsl;
+use crate::numeric::as_f64;
 use crate::path::VehicleLimits;
 
 /// A point of the path: east, north, height, metres.
@@ -91,8 +92,9 @@ impl<'a> Legs<'a> {
         Self { from, keep }
     }
 
-    /// Indices of the points at the ends of the fewest legs, first and last included.
-    pub(crate) fn fewest(&self) -> Vec<usize> {
+    /// Indices of the points at the ends of the fewest legs, first and last included, and by how much
+    /// these miss the limits, metres.
+    pub(crate) fn fewest(&self) -> (Vec<usize>, f64) {
         let last = self.from.len().saturating_sub(1);
         let mut ways: Vec<Vec<Vec<Way>>> = self
             .from
@@ -138,7 +140,9 @@ impl<'a> Legs<'a> {
             at = ways[name.from][name.leg][name.way].before;
         }
         indices.reverse();
-        indices
+        let legs = as_f64(indices.len() - 1);
+        let misfit_m = best.map_or(0.0, |(cost, _)| (cost - legs) / MISFIT_COST);
+        (indices, misfit_m)
     }
 
     /// Offers a way to every leg that begins where its last one ends.

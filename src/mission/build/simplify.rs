@@ -13,9 +13,11 @@ use super::legs::{Keep, Legs, Point, distance_m};
 
 /// Share of the tolerance that the choice of candidates among the samples uses.
 const CANDIDATE_SHARE: f64 = 0.05;
-/// By how much less candidates leave the path in the plane where legs must stay closer to it: legs of
-/// turns are short there, and arcs fit on them if they are of nearly the same length.
+/// By how much less candidates leave the path in the plane where legs must stay closer to it and none fit:
+/// legs of turns are short there, and arcs fit on them if they are of nearly the same length.
 const FINER: f64 = 8.0;
+/// Legs that miss the limits by less keep them, metres.
+const MISFIT_M: f64 = 1e-3;
 
 /// Indices of the samples that become waypoints: first and last, those of some indices in ascending
 /// order, and others.
@@ -30,20 +32,38 @@ pub(crate) fn waypoints(
     through: &[usize],
     keep: &Keep,
 ) -> Vec<usize> {
+    let fewest = |finer: f64| fewest((path, strictness), through, (keep, finer));
+    let (found, misfit_m) = fewest(1.0);
+    let is_strict = strictness.iter().any(|strict| *strict > 1.0);
+    if misfit_m < MISFIT_M || !is_strict {
+        return found;
+    }
+    let (finer, finer_misfit_m) = fewest(FINER);
+    match finer_misfit_m < misfit_m {
+        true => finer,
+        false => found,
+    }
+}
+
+/// The fewest candidates, and by how much their legs and arcs miss the limits, metres. Where legs must stay
+/// closer to the path, candidates leave it in the plane by so much less.
+fn fewest(
+    (path, strictness): (&[Point], &[f64]),
+    through: &[usize],
+    (keep, finer): (&Keep, f64),
+) -> (Vec<usize>, f64) {
     let slack_m = CANDIDATE_SHARE * keep.tolerance_m;
     let strict = |index: usize| strictness.get(index).copied().unwrap_or(1.0);
-    let candidates = douglas_peucker((path, &strict), through, slack_m);
+    let candidates = douglas_peucker((path, &strict), through, (slack_m, finer));
     let points: Vec<(Point, f64)> = candidates
         .iter()
         .map(|&index| (path[index], strict(index)))
         .collect();
     let is_needed = |index: &usize| through.binary_search(index).is_ok();
     let needed: Vec<bool> = candidates.iter().map(is_needed).collect();
-    Legs::new(&points, &needed, slack_m, keep)
-        .fewest()
-        .into_iter()
-        .map(|index| candidates[index])
-        .collect()
+    let (chosen, misfit_m) = Legs::new(&points, &needed, slack_m, keep).fewest();
+    let chosen = chosen.into_iter().map(|index| candidates[index]);
+    (chosen.collect(), misfit_m)
 }
 
 fn flat(point: Point) -> Point {
@@ -54,7 +74,7 @@ fn flat(point: Point) -> Point {
 fn douglas_peucker(
     (path, strict): (&[Point], &impl Fn(usize) -> f64),
     given: &[usize],
-    tolerance_m: f64,
+    (tolerance_m, finer): (f64, f64),
 ) -> Vec<usize> {
     let Some(last) = path.len().checked_sub(1) else {
         return Vec::new();
@@ -68,8 +88,8 @@ fn douglas_peucker(
             .map(|index| {
                 let strict = strict(index);
                 let away_m = distance_m(path[index], path[from], path[to]);
-                let aside_m = match strict > 1.0 {
-                    true => FINER * distance_m(flat(path[index]), flat(path[from]), flat(path[to])),
+                let aside_m = match strict > 1.0 && finer > 1.0 {
+                    true => finer * distance_m(flat(path[index]), flat(path[from]), flat(path[to])),
                     false => 0.0,
                 };
                 (index, strict * away_m.max(aside_m))

@@ -74,6 +74,11 @@ pub(super) fn polished_as_is(context: &RouteContext<'_>, found: Found) -> Found 
 /// Only a clean route, and not the paper's sums over samples, which are no lengths; and not where
 /// the search itself is no more work, as in a large fleet.
 pub(super) fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
+    is_for_polish(context) && found.strict.is_clean()
+}
+
+/// Whether routes that keep all limits are polished.
+pub(super) fn is_for_polish(context: &RouteContext<'_>) -> bool {
     let planner = &context.spec.planner;
     let stations = &context.world.stations[context.index];
     let routes = route_ends(context.vehicle(), stations).len();
@@ -82,7 +87,6 @@ pub(super) fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
         && planner.objective == Objective::Operational
         && planner.algorithm == Algorithm::Msfoa
         && context.options.polishing
-        && found.strict.is_clean()
 }
 
 /// Whether climbs and altitude cost enough.

@@ -8,7 +8,7 @@
 mod belt;
 
 use super::fit::Line;
-use super::polish::{can_polish, fits_items, plane};
+use super::polish::{fits_items, is_for_polish, plane};
 use super::{Found, along};
 use crate::numeric::as_f64;
 use crate::path::VehicleLimits;
@@ -27,7 +27,7 @@ const MAX_CONTROLS: usize = 300;
 pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
     if context.vehicle().airframe != Airframe::Copter
         || context.is_cancelled()
-        || !can_polish(context, &found)
+        || !is_for_polish(context)
     {
         return found;
     }
