@@ -167,8 +167,8 @@ fn a_vehicle_that_is_too_low_is_an_alarm_within_two_seconds() {
     for (lack_m, at_once) in [(3.0, false), (12.0, true)] {
         let plan = two_with(OnAlarm::default());
         let mut spec = plan.spec.clone();
-        // Planned at 80 m; a spec of more is broken by a part of it.
-        spec.area.min_agl = sortie::geodesy::Agl(80.0 + lack_m);
+        // Planned at hardly more than 75 m; a spec of more is broken by a part of it.
+        spec.area.min_agl = sortie::geodesy::Agl(75.0 + lack_m);
         let references = plan.fleet(false, true).watched(&spec, &plan.world);
         let mut sky = Sky::new(references, plan.vehicles());
         sky.fly_to(FAULT_S);

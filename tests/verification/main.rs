@@ -18,3 +18,4 @@ mod verify;
 mod verify_independent;
 mod verify_sampled;
 mod wings;
+mod zone_times;

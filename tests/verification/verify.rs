@@ -1092,6 +1092,13 @@ fn a_rally_point_is_clear_of_the_ground_threats_and_zones_and_inside_the_area() 
             .contains("town")
     );
     only_failure(&rally(place(36.10, -84.26), 60.0), Limit::RallyArea(1));
+    // 99 m from a zone that has a buffer of its own.
+    let aside = place(36.285, -84.2689);
+    assert!(rally(aside, 60.0).passes());
+    spec.no_fly[0].buffer_m = 200.0;
+    let near = judge(&spec, &[&mission]);
+    let margin = only_failure(&near, Limit::RallyObstacles(1));
+    assert!((margin.value - 98.8).abs() < 1.0, "{margin:?}");
 }
 
 #[test]

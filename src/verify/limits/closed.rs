@@ -1,13 +1,117 @@
 //! Where and when a flight is in the heights and times at which a zone is closed.
 
+use std::collections::HashMap;
+
+use crate::geodesy::PlanPoint;
 use crate::spec::{Placement, Span, Zone};
+use crate::verify::execute::flight::{End, Flight};
 use crate::verify::measure::segment::{Chord, Stretch};
 use crate::verify::measure::surface::Surface;
+
+/// When a flight may be on which of its chords.
+pub(crate) struct Times<'a> {
+    flight: &'a Flight,
+    /// By row of the items: from when to when what is flown there lasts, as late and as early as it may be.
+    rows: HashMap<usize, Lasts>,
+    /// The end of the last motion, where the vehicle stays in the air for ever.
+    stays_s: Option<f64>,
+}
+
+/// From when to when, and by how much later or earlier that may be, seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lasts {
+    from_s: f64,
+    to_s: f64,
+    late_s: f64,
+    early_s: f64,
+}
+
+impl Lasts {
+    fn of(chord: &Chord) -> Self {
+        Self {
+            from_s: chord.from_s,
+            to_s: chord.to_s,
+            late_s: chord.late_s,
+            early_s: chord.early_s,
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            from_s: self.from_s.min(other.from_s),
+            to_s: self.to_s.max(other.to_s),
+            late_s: self.late_s.max(other.late_s),
+            early_s: self.early_s.max(other.early_s),
+        }
+    }
+}
+
+impl<'a> Times<'a> {
+    pub(crate) fn of(flight: &'a Flight) -> Self {
+        let flown = || flight.chords.iter().filter(|chord| chord.flown);
+        let last_s = flown().map(|chord| chord.to_s).reduce(f64::max);
+        let stays = matches!(flight.end, Some(End::Stays(_)));
+        let mut times = Self {
+            flight,
+            rows: HashMap::new(),
+            stays_s: last_s.filter(|_| stays),
+        };
+        for chord in flown() {
+            let lasts = times.lasts(chord);
+            let row = times.rows.entry(chord.row).or_insert(lasts);
+            *row = row.and(lasts);
+        }
+        times
+    }
+
+    /// From when to when a chord is flown. What is judged in space has no lateness of its own, and some of it no
+    /// times: it stands for what is flown at any time on the way to its item.
+    fn lasts(&self, chord: &Chord) -> Lasts {
+        let own = Lasts::of(chord);
+        if chord.flown {
+            return match self.is_for_ever(chord) {
+                true => Lasts {
+                    to_s: f64::INFINITY,
+                    ..own
+                },
+                false => own,
+            };
+        }
+        let Some(row) = self.rows.get(&chord.row) else {
+            return own;
+        };
+        match chord.to_s > chord.from_s {
+            true => Lasts {
+                from_s: own.from_s,
+                to_s: own.to_s,
+                ..own.and(*row)
+            },
+            false => own.and(*row),
+        }
+    }
+
+    /// Whether the vehicle stays there for ever, or comes there again and again on its last circle.
+    fn is_for_ever(&self, chord: &Chord) -> bool {
+        /// The circle of a wing is this much wider in places, as a share of its radius.
+        const WIDER: f64 = 0.05;
+        if self.stays_s == Some(chord.to_s) {
+            return true;
+        }
+        let circle = self.flight.circle.as_ref();
+        let Some(stay) = circle.and_then(|of| self.flight.chords.get(of.chord)) else {
+            return false;
+        };
+        let reach_m = (1.0 + WIDER) * stay.error_m;
+        let is_on = |at: PlanPoint| at.at.distance_m(stay.from.at) <= reach_m;
+        chord.row == stay.row && is_on(chord.from) && is_on(chord.to)
+    }
+}
 
 /// Heights and times of a zone over the ground.
 pub(crate) struct Closed<'a> {
     zone: &'a Zone,
     surface: &'a Surface<'a>,
+    times: &'a Times<'a>,
     shift_s: Span,
     /// Closed by so much more above and below, metres.
     buffer_m: f64,
@@ -18,10 +122,15 @@ type Part = (f64, f64);
 
 impl<'a> Closed<'a> {
     /// Of a zone; the flight may be shifted in time by `shift_s`.
-    pub(crate) fn new(zone: &'a Zone, surface: &'a Surface<'a>, shift_s: Span) -> Self {
+    pub(crate) fn new(
+        zone: &'a Zone,
+        surface: &'a Surface<'a>,
+        (times, shift_s): (&'a Times<'a>, Span),
+    ) -> Self {
         Self {
             zone,
             surface,
+            times,
             shift_s,
             buffer_m: 0.0,
         }
@@ -66,18 +175,17 @@ impl<'a> Closed<'a> {
         let Some((from_s, to_s)) = self.zone.active_s else {
             return Some((0.0, 1.0));
         };
-        // What is not flown stands for what is flown somewhere in its time.
-        let vague_s = match chord.flown {
-            true => 0.0,
-            false => chord.to_s - chord.from_s,
-        };
-        let from_s = from_s - self.shift_s.most - vague_s - chord.late_s;
-        let to_s = to_s - self.shift_s.least + vague_s + chord.early_s;
-        let lasts_s = chord.to_s - chord.from_s;
-        if !lasts_s.is_finite() {
-            // It stays for ever.
-            return (chord.from_s <= to_s).then_some((0.0, 1.0));
+        let lasts = self.times.lasts(chord);
+        let takes_s = lasts.to_s - lasts.from_s;
+        let from_s = from_s - self.shift_s.most - lasts.late_s;
+        let to_s = to_s - self.shift_s.least + lasts.early_s;
+        if takes_s.is_infinite() || (lasts.from_s, lasts.to_s) != (chord.from_s, chord.to_s) {
+            // It may be anywhere on it all the time.
+            return (lasts.from_s <= to_s && lasts.to_s >= from_s).then_some((0.0, 1.0));
         }
+        // What is not flown stands for what is flown somewhere in its time.
+        let vague_s = if chord.flown { 0.0 } else { takes_s };
+        let (from_s, to_s) = (from_s - vague_s, to_s + vague_s);
         let at_s = |w: f64| chord.time_s(part.along(w));
         let line = (at_s(0.0), at_s(1.0));
         let after = part_below((from_s - line.0, from_s - line.1))?;

@@ -67,10 +67,11 @@ impl Space<'_> {
         // The vehicle lands there, from no more than the height of the point.
         let ground_m = at.amsl.0 - agl_m;
         let buffers = self.spec.buffers;
+        let zone_m = |zone: &Zone| buffers.zones_m.max(zone.buffer_m);
         let is_under = |zone: &Zone| match zone.floor {
             None => false,
-            Some(Placement::Amsl(floor)) => at.amsl.0 < floor.0 - buffers.zones_m,
-            Some(Placement::Agl(floor)) => at.amsl.0 - ground_m < floor.0 - buffers.zones_m,
+            Some(Placement::Amsl(floor)) => at.amsl.0 < floor.0 - zone_m(zone),
+            Some(Placement::Agl(floor)) => at.amsl.0 - ground_m < floor.0 - zone_m(zone),
         };
         let zones = self.spec.no_fly.iter().zip(&self.zones);
         let zones = zones.filter(|(zone, _)| !is_under(zone));
@@ -78,7 +79,7 @@ impl Space<'_> {
             let margin_m = cylinder.margin_m(&here, Keep::Outside).0;
             (&threat.id, margin_m, buffers.threats_m)
         });
-        let zones = zones.map(|(zone, shape)| (&zone.id, shape.margin_m(&here).0, buffers.zones_m));
+        let zones = zones.map(|(zone, shape)| (&zone.id, shape.margin_m(&here).0, zone_m(zone)));
         let nearest = threats
             .chain(zones)
             .min_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2)));

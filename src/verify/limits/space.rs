@@ -7,7 +7,7 @@ use crate::world::{Layer, NoData, World};
 
 use rayon::prelude::*;
 
-use super::closed::Closed;
+use super::closed::{Closed, Times};
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
 use crate::verify::measure::outline::{Cylinder, Keep, Outline, Part, ZoneShape};
@@ -107,8 +107,9 @@ impl<'a> Space<'a> {
             }
         }
         let zones = self.spec.no_fly.par_iter().zip(&self.zones);
+        let times = Times::of(flight);
         let shift_s = takeoff_lateness_s(vehicle);
-        let judged = zones.map(|zone| self.judge_zone(zone, shift_s, &way));
+        let judged = zones.map(|zone| self.judge_zone(zone, (&times, shift_s), &way));
         found.zones = judged.collect();
         self.found_margins(&vehicle.id, flight, found)
     }
@@ -307,7 +308,7 @@ impl<'a> Space<'a> {
     fn judge_zone(
         &self,
         (zone, shape): (&Zone, &ZoneShape),
-        shift_s: Span,
+        (times, shift_s): (&Times<'_>, Span),
         way: &[Part<'_>],
     ) -> Worst {
         let least_m = self.spec.buffers.zones_m.max(zone.buffer_m);
@@ -316,7 +317,7 @@ impl<'a> Space<'a> {
             least: shift_s.least - slack_s,
             most: shift_s.most + slack_s,
         };
-        let closed = Closed::new(zone, &self.surface, shift_s);
+        let closed = Closed::new(zone, &self.surface, (times, shift_s));
         let closed = closed.widened(least_m);
         let judge = |part: &Part<'_>, worst: &mut Worst| {
             for stretch in closed.parts(part.chord, &part.stretch) {
