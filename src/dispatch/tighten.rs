@@ -28,9 +28,8 @@ const SLIGHT_M: f64 = 0.5;
 const NEAREST_M: f64 = 0.5;
 /// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
 const OVER_TERRAIN_M: f64 = 1.5;
-/// The least that is added to the height above ground, which costs all along the path, and to a small
-/// buffer.
-const HIGHER_M: f64 = 0.25;
+/// The least that is added to a small buffer: height above ground costs all along the path.
+const LEAST_MORE_M: f64 = 0.25;
 /// How much further from its limits a path is moved that needs too many items.
 const FURTHER: f64 = 3.0;
 /// Least step of a margin that is a fraction.
@@ -143,7 +142,7 @@ impl Strictness {
         let fraction = (1.2 * missing / margin.bound.abs().max(1e-9)).clamp(MIN_FRACTION, 0.2);
         match repair {
             Repair::Clearance => {
-                let more_m = missing + (0.5 * margins.clearance_m).clamp(HIGHER_M, EXTRA_M);
+                let more_m = missing + (0.5 * margins.clearance_m).clamp(LEAST_MORE_M, EXTRA_M);
                 margins.clearance_m = raised_m(margins.clearance_m, more_m, spec);
             }
             Repair::Height => {
@@ -151,7 +150,7 @@ impl Strictness {
             }
             Repair::Obstacle => {
                 // One path may break more limits at one place, which need no more together.
-                let more_m = missing + (0.5 * before.threat_m).clamp(HIGHER_M, EXTRA_M);
+                let more_m = missing + (0.5 * before.threat_m).clamp(LEAST_MORE_M, EXTRA_M);
                 let raised_m = raised_m(before.threat_m, more_m, spec);
                 margins.threat_m = margins.threat_m.max(raised_m);
             }

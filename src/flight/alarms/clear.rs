@@ -151,7 +151,7 @@ impl Alarms<'_> {
                 let ends = self.return_ends(of, &here, amsl);
                 let ways = ends.iter().flat_map(|place| {
                     let level_m = here.point.amsl.0.max(place.level_amsl.0);
-                    return_way(of, &here, (level_m, place.point), t_s)
+                    way_of_return(of.vehicle, here.point, (level_m, place.point), t_s)
                 });
                 Some(ways.collect())
             });
@@ -259,7 +259,7 @@ impl Alarms<'_> {
                 return Some(format!("{way} leads into {id}"));
             }
         }
-        let flown = return_way(of, here, (level_m, place.point), t_s);
+        let flown = way_of_return(of.vehicle, here.point, (level_m, place.point), t_s);
         self.meets(t_s, vehicle, &flown, Timing::About)
             .map(|why| format!("{way} {why}"))
     }
@@ -369,17 +369,7 @@ fn is_out_of(disc: &Disc, from: EastNorth, to: EastNorth) -> bool {
     is_in && outwards >= 0.0 && disc.center.distance_m(to) >= disc.radius_m
 }
 
-/// The climb to the altitude of the return, the leg home, and the descent.
-fn return_way(
-    of: &Watched<'_>,
-    here: &Here,
-    level_and_home: (f64, PlanPoint),
-    t_s: f64,
-) -> Vec<Segment> {
-    way_of_return(of.vehicle, here.point, level_and_home, t_s)
-}
-
-/// The same of a vehicle that is here.
+/// The climb of a vehicle to the altitude of the return, the leg home, and the descent.
 pub(in crate::flight) fn way_of_return(
     vehicle: &Vehicle,
     here: PlanPoint,

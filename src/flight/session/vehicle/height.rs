@@ -7,8 +7,6 @@ use crate::link::{LandedState, Position};
 /// An altitude that stays exactly the same while the height above home changes by more than this, metres, is one
 /// of before, and so is the place.
 const LOST_M: f64 = 1.0;
-/// A vehicle that says so before its motors stop is on the ground; what it says after that shows nothing.
-const GROUNDED: [LandedState; 1] = [LandedState::ON_GROUND];
 
 /// Place, altitude and height above home as they are sent. An `ArduPilot` without a place repeats the last one and its
 /// altitude, and goes on with the height above home.
@@ -45,8 +43,9 @@ impl Height {
         Amsl(position.amsl().0 + risen_m)
     }
 
+    /// A vehicle that says so before its motors stop is on the ground; what it says after that shows nothing.
     pub(super) fn take_landed(&mut self, state: LandedState) {
-        self.says_grounded = GROUNDED.contains(&state);
+        self.says_grounded = state == LandedState::ON_GROUND;
         self.is_grounded &= self.says_grounded;
     }
 

@@ -147,18 +147,19 @@ fn leg((begin, first_m): (Vector, f64), (end, last_m): (Vector, f64), span_m: f6
                 (2.0 * step_m).min(span_m)
             }
         };
-        if first_m <= last_m {
+        let (is_first, is_last) = (first_m <= last_m, last_m <= first_m);
+        if is_first {
             begun_m += first_m;
             from_m.push(begun_m);
+            first_m = grown(first_m);
         }
-        if last_m <= first_m && left_m - begun_m > last_m {
-            left_m -= last_m;
-            to_m.push(left_m);
+        if is_last {
+            if left_m - begun_m > last_m {
+                left_m -= last_m;
+                to_m.push(left_m);
+            }
+            last_m = grown(last_m);
         }
-        let next = (grown(first_m), grown(last_m));
-        let both = (first_m <= last_m, last_m <= first_m);
-        first_m = if both.0 { next.0 } else { first_m };
-        last_m = if both.1 { next.1 } else { last_m };
         number += 1;
     }
     let gap_m = left_m - begun_m;
