@@ -161,7 +161,7 @@ fn a_copter_that_places_its_load_has_its_new_path_when_it_goes_on() {
     let bravo = bravo.replacen("speed_mps: 9", "speed_mps: 6", 1);
     let spec = format!("{alpha}{{id: bravo{bravo}").replace("ACTION", action);
     let (folder, runs) = planned("tasks", &spec);
-    let mut flight = take_off(folder.path(), "tasks.yaml", "10");
+    let mut flight = take_off(folder.path(), "tasks.yaml", "5");
     // It comes down for two minutes.
     wait_for(&runs, "alpha", stop_s(&runs, "alpha") + 40.0);
     let output = sortie(folder.path(), &["replan", "tasks.yaml", THREAT]);

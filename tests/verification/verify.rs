@@ -603,6 +603,41 @@ fn a_vehicle_that_only_goes_up_and_down_has_no_clearance_to_pass_with() {
 }
 
 #[test]
+fn what_is_left_of_a_leg_that_was_begun_is_not_judged_by_its_slope() {
+    let (spec, mut mission) = one();
+    let at = |lon| place(36.30, lon);
+    let over = |lon, agl_m| {
+        let world = world(&spec);
+        PlanPoint {
+            at: world.frame.to_plan(at(lon)),
+            amsl: Amsl(GROUND_M + agl_m),
+        }
+    };
+    let mut failing = Vec::new();
+    // 9 m before a waypoint that lies 6 m below it, and a leg behind that as steep.
+    for next_lon in [-84.2, -84.24995] {
+        let here = over(-84.2501, 66.0);
+        mission.items = vec![
+            speed(15.0),
+            waypoint(at(-84.25), GROUND_M + 60.0),
+            waypoint(at(next_lon), GROUND_M + 57.0),
+            waypoint(east(), GROUND_M + 57.0),
+            land(east()),
+        ];
+        let mut world = world(&spec);
+        world.stations[0].departure = Departure::Airborne {
+            point: here,
+            course_rad: std::f64::consts::FRAC_PI_2,
+            speed_mps: 5.0,
+            at_s: 600.0,
+        };
+        let review = judge_in(&spec, &world, &[&mission]);
+        failing.push(!find(&review, Limit::DescentAngle).ok);
+    }
+    assert_eq!(failing, [false, true]);
+}
+
+#[test]
 fn a_vehicle_that_begins_in_its_landing_descent_is_judged_by_its_column() {
     let (mut spec, mut mission) = one();
     spec.vehicles.push(copter("bravo", 2, west(), east()));

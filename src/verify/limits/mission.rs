@@ -305,13 +305,21 @@ impl Contract<'_> {
     }
 
     /// Climb and descent: the angle on the route, the vertical speed on every leg.
+    ///
+    /// A vehicle that departs in the air is somewhere on a leg that was judged from its begin: the
+    /// few metres that are left of it are as steep as the vehicle is off its line.
     fn slopes(&self) -> Vec<Margin> {
         let mut angles = [Worst::default(), Worst::default()];
         let mut rates = [Worst::default(), Worst::default()];
+        let is_airborne = self.stations.departure.is_airborne();
+        let begun = self.flight.chords.first().filter(|_| is_airborne);
         for slope in &self.flight.slopes {
             let Some(chord) = self.flight.chords.get(slope.chord) else {
                 continue;
             };
+            if begun.is_some_and(|begun| begun.row == chord.row) {
+                continue;
+            }
             let at = || chord.moment(&self.world.frame, 0.0);
             let way = usize::from(slope.rise_m < 0.0);
             let rise_m = (slope.rise_m.abs() - RISE_M).max(0.0);
