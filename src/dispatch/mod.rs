@@ -292,7 +292,7 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
 /// Dispatches a fleet one by one, and so that none pays for others but for want of a better way: also
 /// without one or more of the freedoms of its spec.
 fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
-    let found = dispatch_in_rounds(job);
+    let found = with_nested_budgets(job);
     let count = job.spec.vehicles.len();
     if count > crowd::MOST || count > freedoms::ALWAYS && freedoms::nobody_pays(job.spec, &found) {
         return found;
@@ -305,6 +305,30 @@ fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
         let fewer = dispatch_in_rounds(Job { spec, ..job });
         if fewer.is_better_than(best.rank()) {
             best = fewer;
+        }
+    }
+    best
+}
+
+/// Dispatches a fleet in rounds; where it fails by distances that another search may find, also with
+/// parts of its evaluations: more of them are never worse than those parts.
+fn with_nested_budgets(job: Job<'_>) -> Dispatched {
+    /// How many times smaller these budgets are.
+    const PARTS: [usize; 2] = [2, 4];
+    let mut best = dispatch_in_rounds(job);
+    let is_small = job.spec.vehicles.len() <= crowd::MOST;
+    for part in PARTS {
+        let mut broken = best.review.margins.iter().filter(|margin| !margin.ok);
+        let may_be_found =
+            broken.any(|margin| margin.limit.repair().is_some() && margin.value.is_finite());
+        if !may_be_found || !is_small || job.run.is_cancelled() {
+            break;
+        }
+        let mut spec = job.spec.clone();
+        spec.planner.evaluations = job.spec.planner.evaluations.div_ceil(part);
+        let other = dispatch_in_rounds(Job { spec: &spec, ..job });
+        if other.is_better_than(best.rank()) {
+            best = other;
         }
     }
     best
