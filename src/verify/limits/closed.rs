@@ -7,6 +7,7 @@ use crate::spec::{Placement, Span, Zone};
 use crate::verify::execute::flight::{End, Flight};
 use crate::verify::measure::segment::{Chord, Stretch};
 use crate::verify::measure::surface::Surface;
+use crate::world::floor_over;
 
 /// When a flight may be on which of its chords.
 pub(crate) struct Times<'a> {
@@ -110,6 +111,8 @@ impl<'a> Times<'a> {
 /// Heights and times of a zone over the ground.
 pub(crate) struct Closed<'a> {
     zone: &'a Zone,
+    /// Its floor over the terrain of the surface.
+    floor: Option<Placement>,
     surface: &'a Surface<'a>,
     times: &'a Times<'a>,
     shift_s: Span,
@@ -129,6 +132,7 @@ impl<'a> Closed<'a> {
     ) -> Self {
         Self {
             zone,
+            floor: floor_over(zone, surface.terrain()),
             surface,
             times,
             shift_s,
@@ -237,7 +241,7 @@ impl<'a> Closed<'a> {
             let below = part_below((from_m - error_m, to_m - error_m))?;
             part = (below.0.max(part.0), below.1.min(part.1));
         }
-        if let Some(floor) = self.zone.floor {
+        if let Some(floor) = self.floor {
             let (from_m, to_m, error_m) = of(floor);
             let above = part_below((-from_m - error_m, -to_m - error_m))?;
             part = (above.0.max(part.0), above.1.min(part.1));

@@ -48,6 +48,11 @@ impl<'a> Surface<'a> {
         }
     }
 
+    /// The terrain that it is made of.
+    pub(crate) fn terrain(&self) -> &'a Terrain {
+        self.terrain
+    }
+
     /// The height of the ground at a place, metres above the sea.
     pub(crate) fn height_m(&self, place: LatLon) -> Result<f64, NoData> {
         Ok(self.terrain.height(place)?.0)
