@@ -1,0 +1,175 @@
+//! What the verdict counts where a vehicle is later than the flight model has it.
+
+use crate::support;
+use crate::support::missions;
+use missions::{GROUND_M, at, land, mission, speed, takeoff, waypoint};
+use sortie::geodesy::{Agl, EastNorth, LatLon};
+use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
+use sortie::spec::*;
+use sortie::verify::{
+    Limit, Margin, Review, VerifiedSegment, VerifiedTrajectory, review, verified_trajectories,
+};
+use sortie::world::World;
+use support::{copter, empty_spec, world};
+
+const UP_M: f64 = GROUND_M + 80.0;
+
+/// A place by metres east and north of the origin.
+fn spot(east_m: f64, north_m: f64) -> LatLon {
+    let spec = empty_spec(vec![]);
+    spec.frame.from_plan(EastNorth { east_m, north_m })
+}
+
+/// A copter between two places, at 10 m/s.
+fn slow(id: &str, sysid: u8, from: LatLon, to: LatLon) -> Vehicle {
+    let mut vehicle = copter(id, sysid, from, to);
+    vehicle.speed_mps = 10.0;
+    vehicle
+}
+
+/// Its mission over some items.
+fn over(vehicle: &Vehicle, items: &[Item]) -> VehicleMission {
+    let last = items.last().and_then(Item::place).expect("a place");
+    let mut all = vec![takeoff(vehicle.home, UP_M), speed(10.0)];
+    all.extend_from_slice(items);
+    all.push(land(last));
+    mission(vehicle, GROUND_M, all)
+}
+
+fn find(review: &Review, limit: &Limit) -> Margin {
+    let mut margins = review.margins.iter();
+    let found = margins.find(|margin| margin.limit == *limit);
+    found.unwrap_or_else(|| panic!("no {limit}")).clone()
+}
+
+fn verified(spec: &MissionSpec, world: &World, mission: &VehicleMission) -> VerifiedTrajectory {
+    verified_trajectories(spec, world, &[(0, mission)]).remove(0)
+}
+
+fn flown(verified: &VerifiedTrajectory) -> Vec<&VerifiedSegment> {
+    let segments = verified.segments.iter();
+    segments.filter(|segment| segment.is_flown).collect()
+}
+
+/// A copter that flies a full circle of 100 m around a place, and its mission.
+fn around(middle: LatLon) -> (MissionSpec, VehicleMission) {
+    let end = spot(900.0, 0.0);
+    let vehicle = slow("alpha", 1, spot(0.0, 0.0), end);
+    let circle = Item {
+        params: [1.0, 0.0, 100.0, 0.0],
+        ..at(command::NAV_LOITER_TURNS, frame::GLOBAL, middle, UP_M, 0.0)
+    };
+    let mission = over(&vehicle, &[circle, waypoint(end, UP_M)]);
+    (empty_spec(vec![vehicle]), mission)
+}
+
+#[test]
+fn a_copter_may_be_late_on_its_circle_when_a_zone_there_becomes_active() {
+    let middle = EastNorth {
+        east_m: 400.0,
+        north_m: 0.0,
+    };
+    let (mut spec, mission) = around(spot(middle.east_m, middle.north_m));
+    let plain = world(&spec);
+    let verified = verified(&spec, &plain, &mission);
+    let on_circle: Vec<&VerifiedSegment> = flown(&verified)
+        .into_iter()
+        .filter(|segment| {
+            let to_middle = |at: LatLon| plain.frame.to_plan(at).distance_m(middle);
+            [segment.from.place, segment.to.place]
+                .iter()
+                .all(|at| (to_middle(*at) - 100.0).abs() < 0.02)
+        })
+        .collect();
+    assert!(on_circle.len() > 100, "{}", on_circle.len());
+    let passed = on_circle[on_circle.len() * 9 / 10].from;
+    // It stops where the circle begins.
+    let before_s = late_before_s(&verified, on_circle[0].from.t_s) + 4.5;
+    let shift_s = verified.takeoff_late_s.most + spec.separation.time_slack_s;
+    // One that loses nothing on the circle has left the zone by then.
+    let begins_s = passed.t_s + 1.0 + before_s + shift_s;
+    spec.no_fly = vec![Zone {
+        id: "later".to_owned(),
+        circle: Some((passed.place, 5.0)),
+        active_s: Some((begins_s, 1000.0)),
+        ..Zone::default()
+    }];
+    let judged = review(&spec, &world(&spec), &[(0, &mission)]);
+    let margin = find(&judged, &Limit::Zone("later".to_owned()));
+    assert!(!margin.ok, "{margin:?}");
+}
+
+/// By how much it may be late on what it has flown by a time, seconds.
+fn late_before_s(verified: &VerifiedTrajectory, t_s: f64) -> f64 {
+    let earlier = flown(verified).into_iter().filter(|one| one.to.t_s <= t_s);
+    earlier.map(|one| one.late_s).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_copter_becomes_late_along_a_spline_and_not_behind_it() {
+    let (middle, end) = (spot(600.0, 300.0), spot(900.0, 0.0));
+    let vehicle = slow("alpha", 1, spot(0.0, 0.0), end);
+    let spline = at(
+        command::NAV_SPLINE_WAYPOINT,
+        frame::GLOBAL,
+        middle,
+        UP_M,
+        0.0,
+    );
+    let mission = over(&vehicle, &[spline, waypoint(end, UP_M)]);
+    let spec = empty_spec(vec![vehicle]);
+    let verified = verified(&spec, &world(&spec), &mission);
+    let segments = flown(&verified);
+    let on_spline: Vec<&&VerifiedSegment> = (segments.iter())
+        .filter(|segment| segment.to.item == 3)
+        .collect();
+    let after = segments.iter().find(|segment| segment.to.item == 4);
+    let (first, last) = (on_spline[0], on_spline[on_spline.len() - 1]);
+    let after_s = after.expect("a leg").late_s;
+    assert!((last.late_s - after_s).abs() < 1e-9, "{after_s}");
+    assert!(first.late_s < after_s - 4.0, "{after_s}");
+    let grows = on_spline
+        .windows(2)
+        .all(|pair| pair[0].late_s < pair[1].late_s);
+    assert!(grows);
+}
+
+#[test]
+fn a_copter_of_px4_with_a_slow_takeoff_is_late_on_its_way_up_already() {
+    let mut vehicle = slow("alpha", 1, spot(0.0, 0.0), spot(900.0, 0.0));
+    vehicle.autopilot = Autopilot::Px4;
+    let mut mission = over(&vehicle, &[waypoint(spot(900.0, 0.0), UP_M)]);
+    mission.params = vec![Parameter {
+        value: 1.0,
+        ..missions::quick_takeoff()
+    }];
+    let mut spec = empty_spec(vec![vehicle]);
+    spec.separation.time_slack_s = 5.0;
+    // 10 m at 1 m/s and 30 m at 5 m/s take 16 s, 8 s more than with a quick takeoff: up to 35 s with its lateness.
+    spec.no_fly = vec![Zone {
+        id: "later".to_owned(),
+        circle: Some((spot(0.0, 0.0), 30.0)),
+        floor: Some(Placement::Agl(Agl(30.0))),
+        ceiling: Some(Placement::Agl(Agl(40.0))),
+        active_s: Some((30.0, 1000.0)),
+        ..Zone::default()
+    }];
+    let judged = review(&spec, &world(&spec), &[(0, &mission)]);
+    let margin = find(&judged, &Limit::Zone("later".to_owned()));
+    assert!(!margin.ok, "{margin:?}");
+}
+
+#[test]
+fn a_copter_of_px4_is_late_in_a_corner_and_not_behind_it_alone() {
+    let (corner, end) = (spot(500.0, 0.0), spot(500.0, 500.0));
+    let mut vehicle = slow("alpha", 1, spot(0.0, 0.0), end);
+    vehicle.autopilot = Autopilot::Px4;
+    let mission = over(&vehicle, &[waypoint(corner, UP_M), waypoint(end, UP_M)]);
+    let spec = empty_spec(vec![vehicle]);
+    let verified = verified(&spec, &world(&spec), &mission);
+    let segments = flown(&verified);
+    let mut to_corner = segments.iter().filter(|segment| segment.to.item == 3);
+    let first = to_corner.next().expect("a leg");
+    let last = to_corner.next_back().expect("a corner");
+    assert!(last.late_s - first.late_s > 1.0, "{}", last.late_s);
+}
