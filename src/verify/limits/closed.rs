@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::geodesy::PlanPoint;
 use crate::spec::{Placement, Span, Zone};
 use crate::verify::execute::flight::{End, Flight};
+use crate::verify::measure::patch::Patch;
 use crate::verify::measure::segment::{Chord, Stretch};
 use crate::verify::measure::surface::Surface;
 use crate::world::floor_over;
@@ -203,10 +204,13 @@ impl<'a> Closed<'a> {
             // Over unknown ground the zone may be anywhere.
             return vec![(0.0, 1.0)];
         };
-        let level = |patch: &crate::verify::measure::patch::Patch| Level {
+        let middle = |patch: &Patch| 0.5 * (patch.w.0 + patch.w.1);
+        let bow_rise_m =
+            |patch: &Patch| (self.surface).bow_rise_m(chord, part, (patch, middle(patch)));
+        let level = |patch: &Patch| Level {
             ground_m: patch.height_m,
             // The ground is this near to the straight line between the ends of the patch.
-            error_m: patch.bulge_m.abs() + patch.error_m,
+            error_m: patch.bulge_m.abs() + patch.error_m + bow_rise_m(patch),
         };
         patches
             .iter()
