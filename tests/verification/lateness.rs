@@ -3,13 +3,13 @@
 use crate::support;
 use crate::support::missions;
 use missions::{GROUND_M, at, land, mission, speed, takeoff, waypoint};
-use sortie::geodesy::{Agl, EastNorth, LatLon};
+use sortie::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
 use sortie::spec::*;
 use sortie::verify::{
     Limit, Margin, Review, VerifiedSegment, VerifiedTrajectory, review, verified_trajectories,
 };
-use sortie::world::World;
+use sortie::world::{Departure, World};
 use support::{copter, empty_spec, world};
 
 const UP_M: f64 = GROUND_M + 80.0;
@@ -36,6 +36,18 @@ fn over(vehicle: &Vehicle, items: &[Item]) -> VehicleMission {
     mission(vehicle, GROUND_M, all)
 }
 
+/// The world of a spec whose first vehicle is in the air at a time, on its way to the east.
+fn with_first_in_the_air(spec: &MissionSpec, from: EastNorth, at_s: f64) -> World {
+    let mut world = world(spec);
+    world.stations[0].departure = Departure::Airborne {
+        point: PlanPoint::new(from.east_m, from.north_m, Amsl(UP_M)),
+        course_rad: std::f64::consts::FRAC_PI_2,
+        speed_mps: 10.0,
+        at_s,
+    };
+    world
+}
+
 fn find(review: &Review, limit: &Limit) -> Margin {
     let mut margins = review.margins.iter();
     let found = margins.find(|margin| margin.limit == *limit);
@@ -49,6 +61,39 @@ fn verified(spec: &MissionSpec, world: &World, mission: &VehicleMission) -> Veri
 fn flown(verified: &VerifiedTrajectory) -> Vec<&VerifiedSegment> {
     let segments = verified.segments.iter();
     segments.filter(|segment| segment.is_flown).collect()
+}
+
+/// The separation of one that crosses the way of another of its kind, which is in the air at T0 and at the
+/// crossing after 100 s, from a start so far before the crossing.
+fn crossed_from(south_m: f64) -> Margin {
+    let alpha = slow("alpha", 1, spot(-1000.0, 0.0), spot(1000.0, 0.0));
+    let bravo = slow("bravo", 2, spot(0.0, -south_m), spot(0.0, 900.0));
+    let end = spot(1000.0, 0.0);
+    let items = vec![speed(10.0), waypoint(end, UP_M), land(end)];
+    let in_the_air = mission(&alpha, GROUND_M, items);
+    let from_ground = over(&bravo, &[waypoint(spot(0.0, 900.0), UP_M)]);
+    let mut spec = empty_spec(vec![alpha, bravo]);
+    spec.separation.distance_m = 50.0;
+    spec.separation.vertical_m = None;
+    spec.separation.time_slack_s = 5.0;
+    let from = EastNorth {
+        east_m: -1000.0,
+        north_m: 0.0,
+    };
+    let world = with_first_in_the_air(&spec, from, 0.0);
+    let judged = review(&spec, &world, &[(0, &in_the_air), (1, &from_ground)]);
+    find(&judged, &Limit::Separation)
+}
+
+#[test]
+fn a_vehicle_on_the_ground_is_not_late_alike_with_one_of_its_kind_in_the_air() {
+    // Some 20 s before the other; late from its takeoff on by up to 12 s, and by a stop.
+    let before = crossed_from(620.0);
+    assert!(!before.ok, "{before:?}");
+    // Some 14 s behind it, and the other has no takeoff to be late from.
+    let behind = crossed_from(960.0);
+    assert!(behind.ok, "{behind:?}");
+    assert!(behind.value < 100.0, "{behind:?}");
 }
 
 /// A copter that flies a full circle of 100 m around a place, and its mission.
