@@ -63,6 +63,48 @@ fn flown(verified: &VerifiedTrajectory) -> Vec<&VerifiedSegment> {
     segments.filter(|segment| segment.is_flown).collect()
 }
 
+/// The margin of the endurance, where the vehicle has so many seconds.
+fn endurance(
+    (spec, world): (&MissionSpec, &World),
+    mission: &VehicleMission,
+    time_s: f64,
+) -> Margin {
+    let mut spec = spec.clone();
+    spec.vehicles[0].endurance = Some(Endurance {
+        capacity: Capacity::Time(time_s),
+        reserve: 0.0,
+    });
+    find(&review(&spec, world, &[(0, mission)]), &Limit::Endurance)
+}
+
+#[test]
+fn endurance_from_a_place_in_the_air_has_what_was_flown_before() {
+    let vehicle = slow("alpha", 1, spot(0.0, 0.0), spot(900.0, 0.0));
+    let items = vec![
+        speed(10.0),
+        waypoint(spot(900.0, 0.0), UP_M),
+        land(spot(900.0, 0.0)),
+    ];
+    let mission = mission(&vehicle, GROUND_M, items);
+    let mut spec = empty_spec(vec![vehicle]);
+    spec.vehicles[0].depart_s = 30.0;
+    let from = EastNorth {
+        east_m: 100.0,
+        north_m: 0.0,
+    };
+    for (at_s, before_s) in [(0.0, 0.0), (530.0, 500.0)] {
+        let world = with_first_in_the_air(&spec, from, at_s);
+        let verified = verified(&spec, &world, &mission);
+        let segments = flown(&verified);
+        let last = segments[segments.len() - 1];
+        let used_s = endurance((&spec, &world), &mission, 1000.0).value;
+        let in_air_s = before_s + last.to.t_s - at_s + last.late_s;
+        assert!((used_s - in_air_s).abs() < 1e-6, "{used_s} {in_air_s}");
+        let short = endurance((&spec, &world), &mission, in_air_s - 1.0);
+        assert!(!short.ok, "{short:?}");
+    }
+}
+
 /// The separation of one that crosses the way of another of its kind, which is in the air at T0 and at the
 /// crossing after 100 s, from a start so far before the crossing.
 fn crossed_from(south_m: f64) -> Margin {
