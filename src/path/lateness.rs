@@ -5,6 +5,7 @@
 use crate::autopilot::Airframe;
 use crate::geodesy::LatLon;
 use crate::spec::{Span, Vehicle};
+use crate::world::Departure;
 
 /// By how much a stop may take longer than in the flight model, seconds.
 #[must_use]
@@ -67,6 +68,16 @@ pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
     Span {
         least: 0.0 - value(behaviour.takeoff_early_s),
         most: value(behaviour.takeoff_late_s),
+    }
+}
+
+/// By how much longer a flight may last for its takeoff than in the flight model, seconds: a vehicle that begins in
+/// the air has none.
+#[must_use]
+pub fn longer_for_takeoff_s(vehicle: &Vehicle, departure: Departure) -> f64 {
+    match departure {
+        Departure::Ground => takeoff_lateness_s(vehicle).most,
+        Departure::Airborne { .. } => 0.0,
     }
 }
 

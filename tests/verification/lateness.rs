@@ -78,7 +78,27 @@ fn endurance(
 }
 
 #[test]
-fn endurance_from_a_place_in_the_air_has_what_was_flown_before() {
+fn endurance_includes_what_a_vehicle_is_late_by_from_its_takeoff_on() {
+    let vehicle = slow("alpha", 1, spot(0.0, 0.0), spot(900.0, 0.0));
+    let mission = over(&vehicle, &[waypoint(spot(900.0, 0.0), UP_M)]);
+    let spec = empty_spec(vec![vehicle]);
+    let world = world(&spec);
+    let verified = verified(&spec, &world, &mission);
+    let segments = flown(&verified);
+    let (first, last) = (segments[0], segments[segments.len() - 1]);
+    let in_air_s = last.to.t_s - first.from.t_s + last.late_s;
+    assert!(verified.takeoff_late_s.most > 10.0);
+    let needs_s = in_air_s + verified.takeoff_late_s.most;
+    let short = endurance((&spec, &world), &mission, needs_s - 1.0);
+    assert!(
+        !short.ok && (short.value - needs_s).abs() < 1e-6,
+        "{short:?}"
+    );
+    assert!(endurance((&spec, &world), &mission, needs_s + 1.0).ok);
+}
+
+#[test]
+fn endurance_from_a_place_in_the_air_has_what_was_flown_before_and_no_late_takeoff() {
     let vehicle = slow("alpha", 1, spot(0.0, 0.0), spot(900.0, 0.0));
     let items = vec![
         speed(10.0),

@@ -2,7 +2,7 @@
 
 use crate::geodesy::PlanPoint;
 use crate::numeric::digits;
-use crate::path::{flight, route_ends};
+use crate::path::{flight, longer_for_takeoff_s, route_ends};
 use crate::spec::Endurance;
 use crate::verify::execute::flight::End;
 use crate::verify::limits::mission::Contract;
@@ -34,7 +34,8 @@ impl Contract<'_> {
         let used: f64 = aloft.iter().map(|chord| self.used(endurance, chord)).sum();
         let used = before + used;
         // A vehicle that is late hovers or circles for so long.
-        let late = endurance.capacity.used(last.late_s, self.idle_mps(), 0.0);
+        let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.stations.departure);
+        let late = endurance.capacity.used(late_s, self.idle_mps(), 0.0);
         let mut note = format!(
             "{} {unit} less a reserve of {} %",
             digits::plain(endurance.capacity.total()),
