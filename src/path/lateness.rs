@@ -5,6 +5,7 @@
 use crate::autopilot::Airframe;
 use crate::geodesy::LatLon;
 use crate::spec::{Span, Vehicle};
+use crate::world::Departure;
 
 /// By how much a stop may take longer than in the flight model, seconds.
 #[must_use]
@@ -59,7 +60,7 @@ pub fn leg_late_share(vehicle: &Vehicle, from: LatLon, to: LatLon) -> f64 {
 
 /// By how much a vehicle may be late from its takeoff on, seconds. Any lateness in the span may
 /// be: a vehicle with lighter propellers, or a simulated one, is less late than those measured.
-/// It is taken to be the same for two vehicles of one autopilot and airframe.
+/// It is taken to be the same for two vehicles of one autopilot and airframe that take off.
 #[must_use]
 pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
     let behaviour = &vehicle.facts().behaviour;
@@ -70,22 +71,60 @@ pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
     }
 }
 
-/// Whether two vehicles are late alike: of one autopilot and airframe.
-fn are_late_alike(one: &Vehicle, other: &Vehicle) -> bool {
-    (one.autopilot, one.airframe) == (other.autopilot, other.airframe)
+/// By how much longer a flight may last for its takeoff than in the flight model, seconds: a vehicle that begins in
+/// the air has none.
+#[must_use]
+pub fn longer_for_takeoff_s(vehicle: &Vehicle, departure: Departure) -> f64 {
+    match departure {
+        Departure::Ground => takeoff_lateness_s(vehicle).most,
+        Departure::Airborne { .. } => 0.0,
+    }
+}
+
+/// A vehicle, and whether it is in the air already.
+#[derive(Clone, Copy, Debug)]
+pub struct Departing<'a> {
+    /// The vehicle.
+    pub vehicle: &'a Vehicle,
+    /// Whether its path begins in the air.
+    pub is_airborne: bool,
+}
+
+impl Departing<'_> {
+    fn is_of_kind_of(&self, other: &Self) -> bool {
+        let kind = |of: &Self| (of.vehicle.autopilot, of.vehicle.airframe);
+        kind(self) == kind(other)
+    }
+
+    /// Whether two vehicles are late alike: of one autopilot and airframe, and both on the ground or both in the air.
+    fn is_late_alike(&self, other: &Self) -> bool {
+        self.is_of_kind_of(other) && self.is_airborne == other.is_airborne
+    }
+
+    /// By how much it may be early or late against another that is not late alike. Of one kind, the one in the air has its
+    /// takeoff behind it. Of others it counts there as well: the figures include what they lose on their ways.
+    fn lateness_against_s(&self, other: &Self) -> Span {
+        if self.is_airborne && self.is_of_kind_of(other) {
+            return Span {
+                least: 0.0,
+                most: 0.0,
+            };
+        }
+        takeoff_lateness_s(self.vehicle)
+    }
 }
 
 /// By how much the second of two vehicles may be shifted against the first without any shift of
 /// departures, seconds: by the lateness of both where they are not late alike.
 #[must_use]
-pub fn takeoff_shift_s(a: &Vehicle, b: &Vehicle) -> Span {
-    if are_late_alike(a, b) {
+pub fn takeoff_shift_s(a: Departing<'_>, b: Departing<'_>) -> Span {
+    if a.is_late_alike(&b) {
         return Span {
             least: 0.0,
             most: 0.0,
         };
     }
-    let (late, other) = (takeoff_lateness_s(a), takeoff_lateness_s(b));
+    let (late, other) = (a.lateness_against_s(&b), b.lateness_against_s(&a));
     Span {
         least: late.least - other.most,
         most: late.most - other.least,
@@ -104,16 +143,16 @@ pub fn with_stops_s(shift_s: Span, late_s: f64, other_late_s: f64) -> Span {
 /// The most that two of these may be shifted against each other by what autopilots are late or
 /// early, seconds; each comes with what its stops make it late by, and its way early (negative).
 #[must_use]
-pub fn most_shift_s<'a>(fleet: impl Iterator<Item = (&'a Vehicle, Span)>) -> f64 {
+pub fn most_shift_s<'a>(fleet: impl Iterator<Item = (Departing<'a>, Span)>) -> f64 {
     let (mut least_s, mut most_s) = (0.0_f64, 0.0_f64);
     let (mut late_s, mut early_s) = (0.0_f64, 0.0_f64);
     let (mut first, mut are_alike) = (None, true);
-    for (vehicle, on_its_way) in fleet {
-        let late = takeoff_lateness_s(vehicle);
+    for (one, on_its_way) in fleet {
+        let late = takeoff_lateness_s(one.vehicle);
         (least_s, most_s) = (least_s.min(late.least), most_s.max(late.most));
         late_s = late_s.max(on_its_way.most);
         early_s = early_s.max(-on_its_way.least);
-        are_alike &= are_late_alike(first.get_or_insert(vehicle), vehicle);
+        are_alike &= first.get_or_insert(one).is_late_alike(&one);
     }
     let alike_s = late_s + early_s;
     if are_alike {

@@ -5,6 +5,7 @@
 //! autopilots are late, and buffers.
 
 use crate::mission::VehicleMission;
+use crate::path::Departing;
 use crate::spec::{MissionSpec, Separation};
 use crate::world::World;
 
@@ -59,14 +60,22 @@ impl<'a> Judge<'a> {
     /// the spec does not have.
     #[must_use]
     pub fn fly(&self, index: usize, mission: &VehicleMission) -> Option<Executed<'a>> {
-        let mut flight = self.sortie(index, mission)?.flight;
+        let sortie = self.sortie(index, mission)?;
+        let is_airborne = sortie.departing().is_airborne;
+        let mut flight = sortie.flight;
         flight.stay_until(HORIZON_S);
         let mut chords = flight.chords;
         chords.retain(|chord| chord.flown);
         chords.shrink_to_fit();
         let vehicle = self.spec.vehicles.get(index)?;
         Some(Executed {
-            timeline: Timeline::of(vehicle, chords),
+            timeline: Timeline::of(
+                Departing {
+                    vehicle,
+                    is_airborne,
+                },
+                chords,
+            ),
         })
     }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, VehicleMission};
-use crate::path::most_shift_s;
+use crate::path::{Departing, most_shift_s};
 use crate::spec::{MissionSpec, Separation, Span, Vehicle};
 use crate::world::{Layer, Stations, World};
 
@@ -169,7 +169,7 @@ impl<'a> Reviewer<'a> {
             .map(|(position, sortie)| {
                 (
                     position,
-                    Timeline::new(sortie.vehicle, &sortie.flight.chords),
+                    Timeline::new(sortie.departing(), &sortie.flight.chords),
                 )
             })
             .unzip();
@@ -198,7 +198,7 @@ fn stay_long_enough(sorties: &mut [Sortie<'_>], separation: &Separation) {
             least: 0.0 - most(|chord| chord.early_s),
             most: most(|chord| chord.late_s),
         };
-        (sortie.vehicle, on_its_way)
+        (sortie.departing(), on_its_way)
     }));
     for sortie in sorties {
         sortie
@@ -285,6 +285,13 @@ impl<'a> Sortie<'a> {
             fence: Fence::read(&mission.fence),
             flight: flight
                 .unwrap_or_else(|| executor::fly(vehicle, mission, spec, world, stations, stands)),
+        }
+    }
+
+    pub(super) fn departing(&self) -> Departing<'a> {
+        Departing {
+            vehicle: self.vehicle,
+            is_airborne: self.stations.departure.is_airborne(),
         }
     }
 

@@ -22,7 +22,7 @@ pub use reader::{
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
 pub use unit_warnings::unit_warnings;
-pub use zone::PlanZone;
+pub use zone::{PlanZone, floor_over};
 
 use std::sync::Arc;
 

@@ -39,6 +39,16 @@ const MOST_OF_SPACE: f64 = 0.4;
 /// Lower spaces are none: what parts of a threat with a shape have between them.
 const LEAST_SPACE_M: f64 = 0.5;
 
+/// From where up a zone is closed over a terrain: lower by as much as that may stand above the ground, where it is
+/// measured from there. A ceiling is not lower than the true one over such a terrain.
+#[must_use]
+pub fn floor_over(zone: &Zone, terrain: &Terrain) -> Option<Placement> {
+    zone.floor.map(|floor| match floor {
+        Placement::Agl(agl) => Placement::Agl(Agl(agl.0 - terrain.raised_m())),
+        Placement::Amsl(_) => floor,
+    })
+}
+
 impl PlanZone {
     /// The zone of an outline with the heights and times of a zone of the spec, `slack_s`
     /// longer on both sides. A ceiling above ground that has no elevation counts as none.
@@ -56,7 +66,7 @@ impl PlanZone {
         };
         Self {
             is_whole: zone.holes.is_empty(),
-            floor: zone.floor,
+            floor: floor_over(zone, terrain),
             ceiling: zone.ceiling.and_then(from_bases),
             active_s: zone
                 .active_s

@@ -242,6 +242,40 @@ fn a_copter_stops_before_its_turns_and_flies_them_at_half_of_its_acceleration() 
 }
 
 #[test]
+fn a_boundary_wider_than_its_zone_is_as_near_to_a_circle_as_the_fence_is() {
+    let params = [1.0, 0.0, 50.0, 0.0];
+    let around = circle(command::NAV_LOITER_TURNS, spot(800.0, 0.0), UP_M, params);
+    let (mut spec, mut mission) = flown(&[around, waypoint(spot(400.0, 0.0), UP_M)]);
+    let square = |half_m: f64| {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        // Askew, so that the nearest place is on no corner of the chords.
+        let (sin, cos) = 0.3_f64.sin_cos();
+        let turned = |(x, y): (f64, f64)| (x * cos - y * sin, x * sin + y * cos);
+        let of = corners.map(turned);
+        of.map(|(x, y)| spot(800.0 + half_m * x, 200.0 + half_m * y))
+    };
+    spec.no_fly = vec![Zone {
+        id: "yard".to_owned(),
+        polygon: square(80.0).to_vec(),
+        ..Zone::default()
+    }];
+    spec.mission.fence = true;
+    let pieces = |spec: &MissionSpec| -> Vec<Item> {
+        let pieces = sortie::mission::fence_pieces(spec);
+        pieces.into_iter().flat_map(|(_, items)| items).collect()
+    };
+    let mut wider = spec.clone();
+    wider.no_fly[0].polygon = square(90.0).to_vec();
+    mission.fence = pieces(&wider);
+    mission.is_fence_known = true;
+    let review = judge(&spec, &mission);
+    let fence_m = find(&review, &Limit::Fence).value;
+    let wider_m = find(&review, &Limit::FenceWider).value;
+    assert!((30.0..60.0).contains(&fence_m), "{fence_m}");
+    assert!((wider_m - fence_m).abs() < 1e-9, "{wider_m} {fence_m}");
+}
+
+#[test]
 fn turns_that_no_autopilot_flies_so_are_not_judged() {
     for (why, place, params) in [
         ("-1 turns", spot(800.0, 0.0), [-1.0, 0.0, 100.0, 0.0]),

@@ -11,6 +11,7 @@ mod copter_corners;
 mod curves;
 mod domes;
 mod fences;
+mod lateness;
 mod obstacles;
 mod other_world;
 mod px4_heights;

@@ -4,7 +4,7 @@ use super::breach::{Depth, error_m};
 use super::tube::assumed_late_s;
 use super::{Alarms, Here, Watched};
 use crate::numeric::approach::{Segment, closest_approach, least_ratio};
-use crate::path::{takeoff_shift_s, with_stops_s};
+use crate::path::{Departing, takeoff_shift_s, with_stops_s};
 use crate::spec::{AlarmKind, Separation};
 
 /// Positions of two vehicles are compared at one time if they are not further apart than this,
@@ -159,6 +159,14 @@ impl Alarms<'_> {
         })
     }
 
+    fn departing(&self, index: usize) -> Departing<'_> {
+        let stations = self.world.stations.get(index);
+        Departing {
+            vehicle: self.vehicles[index].vehicle,
+            is_airborne: stations.is_some_and(|stations| stations.departure.is_airborne()),
+        }
+    }
+
     /// What two vehicles come to, in words, where the verdict did not look at it.
     fn conflict(
         &self,
@@ -178,7 +186,7 @@ impl Alarms<'_> {
                 let behaviour = &of.vehicle.facts().behaviour;
                 all_s - behaviour.takeoff_late_s.value(of.vehicle.autopilot_version)
             };
-            let alone = takeoff_shift_s(one.vehicle, two.vehicle);
+            let alone = takeoff_shift_s(self.departing(first), self.departing(second));
             let span = with_stops_s(alone, late(one), late(two));
             let slack_s = self.spec.separation.time_slack_s + SHIFT_ERROR_S;
             let shift_s = late_s - other_s;

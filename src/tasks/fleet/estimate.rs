@@ -6,8 +6,8 @@ use super::{Assigner, BUDGET, PER_SECOND, whole};
 use crate::geodesy::PlanPoint;
 use crate::numeric::SpeedProfile;
 use crate::path::{
-    TimedPoint, flight, late_share, leg_late_s, route_ends, route_start_s, stop_late_s,
-    way_speed_mps,
+    TimedPoint, flight, late_share, leg_late_s, longer_for_takeoff_s, route_ends, route_start_s,
+    stop_late_s, way_speed_mps,
 };
 use crate::spec::{MAX_STOPS, Stop, Vehicle};
 use crate::tasks::assignment::{Carrier, Way};
@@ -82,7 +82,9 @@ impl Assigner<'_> {
             _ => &self.spec.vehicles[vehicle],
         };
         let duration_s = duration_s(own, ends, self.lengths_m[from][to]);
-        let used = self.used(vehicle, duration_s, ends) + self.used_late(vehicle, duration_s);
+        let flies = &self.spec.vehicles[vehicle];
+        let late_s = stop_late_s(flies) + leg_late_s(flies) + duration_s * late_share(flies);
+        let used = self.used(vehicle, duration_s, ends) + self.used_late(flies, late_s);
         let used = used * self.factors[vehicle];
         Some(Way {
             time: whole(duration_s * PER_SECOND),
@@ -106,15 +108,13 @@ impl Assigner<'_> {
         BUDGET * used / endurance.usable()
     }
 
-    /// What the verdict adds for a leg and the stop at its end, where autopilots are later than the flight
-    /// model.
-    fn used_late(&self, vehicle: usize, duration_s: f64) -> f64 {
-        let own = &self.spec.vehicles[vehicle];
+    /// What the verdict adds where autopilots are later than the flight model, in the trial that counts it: a vehicle
+    /// hovers or circles for so long.
+    fn used_late(&self, own: &Vehicle, late_s: f64) -> f64 {
         let counts = self.trial.counts_lateness();
         let Some(endurance) = own.endurance.as_ref().filter(|_| counts) else {
             return 0.0;
         };
-        let late_s = stop_late_s(own) + leg_late_s(own) + duration_s * late_share(own);
         let idle_mps = own.wing.as_ref().map_or(0.0, |_| own.speed_mps);
         let used = endurance.capacity.used(late_s, idle_mps, 0.0);
         BUDGET * used / endurance.usable()
@@ -182,7 +182,8 @@ impl Assigner<'_> {
         let straight = (stations.start, stations.goal);
         let straight_m = straight.0.distance_m(straight.1);
         let route = self.used(vehicle, duration_s(&own, straight, straight_m), straight);
-        (whole - route).max(0.0)
+        let takeoff_s = longer_for_takeoff_s(&own, stations.departure);
+        (whole - route).max(0.0) + self.used_late(&own, takeoff_s)
     }
 }
 

@@ -165,7 +165,7 @@ pub(crate) fn raised_ground(raised_m: f64) -> Option<String> {
         format!(
             "the ground is made of files in a projection or of several spacings: no lower than any of their nodes, with \
              what is uncertain of their places and heights on top, so that it stands up to {raised_m:.1} m above them; \
-             greatest heights above ground are judged by as much more"
+             greatest heights above ground are judged by as much more, floors of zones above ground by as much less"
         )
     })
 }

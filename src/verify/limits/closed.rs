@@ -5,8 +5,10 @@ use std::collections::HashMap;
 use crate::geodesy::PlanPoint;
 use crate::spec::{Placement, Span, Zone};
 use crate::verify::execute::flight::{End, Flight};
+use crate::verify::measure::patch::Patch;
 use crate::verify::measure::segment::{Chord, Stretch};
 use crate::verify::measure::surface::Surface;
+use crate::world::floor_over;
 
 /// When a flight may be on which of its chords.
 pub(crate) struct Times<'a> {
@@ -110,6 +112,8 @@ impl<'a> Times<'a> {
 /// Heights and times of a zone over the ground.
 pub(crate) struct Closed<'a> {
     zone: &'a Zone,
+    /// Its floor over the terrain of the surface.
+    floor: Option<Placement>,
     surface: &'a Surface<'a>,
     times: &'a Times<'a>,
     shift_s: Span,
@@ -129,6 +133,7 @@ impl<'a> Closed<'a> {
     ) -> Self {
         Self {
             zone,
+            floor: floor_over(zone, surface.terrain()),
             surface,
             times,
             shift_s,
@@ -199,10 +204,13 @@ impl<'a> Closed<'a> {
             // Over unknown ground the zone may be anywhere.
             return vec![(0.0, 1.0)];
         };
-        let level = |patch: &crate::verify::measure::patch::Patch| Level {
+        let middle = |patch: &Patch| 0.5 * (patch.w.0 + patch.w.1);
+        let bow_rise_m =
+            |patch: &Patch| (self.surface).bow_rise_m(chord, part, (patch, middle(patch)));
+        let level = |patch: &Patch| Level {
             ground_m: patch.height_m,
             // The ground is this near to the straight line between the ends of the patch.
-            error_m: patch.bulge_m.abs() + patch.error_m,
+            error_m: patch.bulge_m.abs() + patch.error_m + bow_rise_m(patch),
         };
         patches
             .iter()
@@ -237,7 +245,7 @@ impl<'a> Closed<'a> {
             let below = part_below((from_m - error_m, to_m - error_m))?;
             part = (below.0.max(part.0), below.1.min(part.1));
         }
-        if let Some(floor) = self.zone.floor {
+        if let Some(floor) = self.floor {
             let (from_m, to_m, error_m) = of(floor);
             let above = part_below((-from_m - error_m, -to_m - error_m))?;
             part = (above.0.max(part.0), above.1.min(part.1));

@@ -2,12 +2,13 @@
 
 use crate::geodesy::PlanPoint;
 use crate::numeric::digits;
-use crate::path::{flight, route_ends};
+use crate::path::{flight, longer_for_takeoff_s, route_ends};
 use crate::spec::Endurance;
 use crate::verify::execute::flight::End;
 use crate::verify::limits::mission::Contract;
 use crate::verify::measure::segment::Chord;
 use crate::verify::{Limit, Margin, Requirement};
+use crate::world::Departure;
 
 /// A motion that is shorter is none, metres.
 const STILL_M: f64 = 1e-3;
@@ -29,9 +30,12 @@ impl Contract<'_> {
         let stays = matches!(self.flight.end, Some(End::Stays(_)));
         let aloft = self.aloft(stays);
         let last = aloft.last()?;
+        let before = self.used_before(endurance);
         let used: f64 = aloft.iter().map(|chord| self.used(endurance, chord)).sum();
+        let used = before + used;
         // A vehicle that is late hovers or circles for so long.
-        let late = endurance.capacity.used(last.late_s, self.idle_mps(), 0.0);
+        let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.stations.departure);
+        let late = endurance.capacity.used(late_s, self.idle_mps(), 0.0);
         let mut note = format!(
             "{} {unit} less a reserve of {} %",
             digits::plain(endurance.capacity.total()),
@@ -40,7 +44,7 @@ impl Contract<'_> {
         if stays {
             note.push_str("; until it stays for ever");
         }
-        let straight = self.used_straight(endurance);
+        let straight = before + self.used_straight(endurance);
         if used + late > usable && straight > usable {
             note.push_str(&format!(
                 "; even straight from place to place it uses {straight:.0} {unit}: no path is short enough"
@@ -65,6 +69,15 @@ impl Contract<'_> {
             aloft.pop();
         }
         aloft
+    }
+
+    /// What a vehicle that begins in the air has used until then: since its departure, at its speed.
+    fn used_before(&self, endurance: &Endurance) -> f64 {
+        let Departure::Airborne { at_s, .. } = self.stations.departure else {
+            return 0.0;
+        };
+        let since_s = (at_s - self.vehicle.depart_s).max(0.0);
+        (endurance.capacity).used(since_s, self.vehicle.speed_mps, 0.0)
     }
 
     /// What a flight straight from start over its stops to its end would use, if nothing were in the way.

@@ -15,6 +15,7 @@ use crate::verify::measure::outline::Keep;
 use crate::verify::measure::segment::Stretch;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
+use crate::world::floor_over;
 
 impl Space<'_> {
     /// The margins of the rally points of a mission.
@@ -68,7 +69,7 @@ impl Space<'_> {
         let ground_m = at.amsl.0 - agl_m;
         let buffers = self.spec.buffers;
         let zone_m = |zone: &Zone| buffers.zones_m.max(zone.buffer_m);
-        let is_under = |zone: &Zone| match zone.floor {
+        let is_under = |zone: &Zone| match floor_over(zone, &self.world.terrain) {
             None => false,
             Some(Placement::Amsl(floor)) => at.amsl.0 < floor.0 - zone_m(zone),
             Some(Placement::Agl(floor)) => at.amsl.0 - ground_m < floor.0 - zone_m(zone),

@@ -88,7 +88,7 @@ impl Near {
                 least: 0.0 - early_s,
                 most: late_s,
             };
-            (timeline.vehicle, on_its_way)
+            (timeline.of, on_its_way)
         });
         let late_s = most_shift_s(fleet);
         let allowed_m = 2.0 * error_m + TOLERANCE_M;
@@ -131,10 +131,7 @@ pub(crate) fn are_in_conflict(
         distance: separation
             .vertical_m
             .map_or(Distance::Space, Distance::Horizontal),
-        shift_s: with_slack(
-            takeoff_shift_s(a.vehicle, b.vehicle),
-            separation.time_slack_s,
-        ),
+        shift_s: with_slack(takeoff_shift_s(a.of, b.of), separation.time_slack_s),
     };
     come_nearer(a, b, &metric, separation.distance_m)
 }
@@ -147,7 +144,7 @@ fn pair_margin(
     below_m: f64,
 ) -> Option<Margin> {
     let slack_s = separation.time_slack_s;
-    let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let shift_s = takeoff_shift_s(a.of, b.of);
     let metric = |distance| Metric {
         distance,
         shift_s: with_slack(shift_s, slack_s),
@@ -194,7 +191,7 @@ fn judge(
     let there = moment(other, found.times_s.1);
     let shift_s = found.times_s.1 - found.times_s.0;
     let split = if how.is_empty() { "" } else { "; " };
-    let alone_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let alone_s = takeoff_shift_s(a.of, b.of);
     let alone_s = with_stops_s(
         alone_s,
         mine.late_s + other.early_s,
@@ -211,16 +208,16 @@ fn judge(
     let required = Requirement::at_least(Limit::Separation, limit_m, "m");
     let at = moment(mine, found.times_s.0);
     Margin {
-        other: Some(b.vehicle.id.clone()),
+        other: Some(b.of.vehicle.id.clone()),
         shift: Some(Shift {
             worst_s: shift_s,
             allowed_s: with_slack(alone_s, slack_s),
         }),
         note: format!(
             "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s{lateness}",
-            b.vehicle.id, there.item, there.t_s
+            b.of.vehicle.id, there.item, there.t_s
         ),
-        ..required.margin(&a.vehicle.id, found.distance_m, Some(at))
+        ..required.margin(&a.of.vehicle.id, found.distance_m, Some(at))
     }
 }
 
@@ -232,7 +229,7 @@ fn never_together(
     below_m: f64,
 ) -> Option<Margin> {
     let (p, q) = (a.span()?, b.span()?);
-    let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let shift_s = takeoff_shift_s(a.of, b.of);
     let shift_s = with_stops_s(shift_s, p.late_s + q.early_s, q.late_s + p.early_s);
     let gap_s = (p.from_s - q.to_s + shift_s.least).max(q.from_s - p.to_s - shift_s.most);
     if below_m.is_finite() || gap_s <= 0.0 {
@@ -240,9 +237,9 @@ fn never_together(
     }
     let required = Requirement::at_least(Limit::Separation, separation.time_slack_s, "s");
     Some(Margin {
-        other: Some(b.vehicle.id.clone()),
+        other: Some(b.of.vehicle.id.clone()),
         note: "never in the air at the same time".to_owned(),
-        ..required.margin(&a.vehicle.id, gap_s, None)
+        ..required.margin(&a.of.vehicle.id, gap_s, None)
     })
 }
 
@@ -250,6 +247,7 @@ fn never_together(
 mod tests {
     use super::*;
     use crate::geodesy::{Amsl, LatLon, PlanPoint};
+    use crate::path::Departing;
     use crate::spec::fixtures::copter;
     use crate::spec::{Airframe, Autopilot, Vehicle};
     use crate::verify::measure::segment::Phase;
@@ -272,6 +270,13 @@ mod tests {
             autopilot,
             airframe,
             ..copter()
+        }
+    }
+
+    fn on_ground(vehicle: &Vehicle) -> Departing<'_> {
+        Departing {
+            vehicle,
+            is_airborne: false,
         }
     }
 
@@ -298,8 +303,8 @@ mod tests {
         one[0].late_s = late_s[0];
         other[0].late_s = late_s[1];
         let timelines = [
-            Timeline::new(vehicles[0], &one),
-            Timeline::new(vehicles[1], &other),
+            Timeline::new(on_ground(vehicles[0]), &one),
+            Timeline::new(on_ground(vehicles[1]), &other),
         ];
         let separation = Separation {
             distance_m: 50.0,
@@ -369,11 +374,11 @@ mod tests {
             let separation = Separation { distance_m, vertical_m, time_slack_s };
             let frame = LocalFrame::new(LatLon { lat_deg: 36.0, lon_deg: -84.0 });
             let copter = vehicle(Autopilot::ArduPilot, Airframe::Copter);
-            let timelines = [&one, &other].map(|chords| Timeline::new(&copter, chords));
+            let timelines = [&one, &other].map(|chords| Timeline::new(on_ground(&copter), chords));
             let margins = margins(&timelines, &[false; 2], &separation, &frame);
             let is_broken = margins.iter().any(|(_, margin)| !margin.ok && margin.unit == "m"
                 && (margin.bound - distance_m).abs() < 1e-9);
-            let [one, other] = [&one, &other].map(|chords| Timeline::of(&copter, chords.clone()));
+            let [one, other] = [&one, &other].map(|chords| Timeline::of(on_ground(&copter), chords.clone()));
             prop_assert_eq!(are_in_conflict(&one, &other, &separation), is_broken);
         }
     }
@@ -399,7 +404,7 @@ mod tests {
             let timelines: Vec<Timeline<'_>> = fleet
                 .iter()
                 .enumerate()
-                .map(|(index, chords)| Timeline::new(&kinds[index % (1 + usize::from(is_mixed))], chords))
+                .map(|(index, chords)| Timeline::new(on_ground(&kinds[index % (1 + usize::from(is_mixed))]), chords))
                 .collect();
             let all = 0..timelines.len();
             let all = all.flat_map(|first| (first + 1..timelines.len()).map(move |other| (first, other)));

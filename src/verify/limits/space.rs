@@ -11,7 +11,6 @@ use super::closed::{Closed, Times};
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
 use crate::verify::measure::outline::{Cylinder, Keep, Outline, Part, ZoneShape};
-use crate::verify::measure::patch::Patch;
 use crate::verify::measure::segment::{Chord, Column, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
 use crate::verify::measure::worst::{Worst, nearest_first};
@@ -215,7 +214,7 @@ impl<'a> Space<'a> {
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                let rise_m = self.bow_rise_m(chord, part, (&patch, w));
+                let rise_m = self.surface.bow_rise_m(chord, part, (&patch, w));
                 let bound_m = required_m(amsl_m(w));
                 let least_m = over_m + bound_m - rise_m;
                 worst.at_least(least_m, bound_m, || moment(chord, part, w));
@@ -272,19 +271,10 @@ impl<'a> Space<'a> {
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                let fall_m = self.bow_rise_m(chord, part, (&patch, w));
+                let fall_m = self.surface.bow_rise_m(chord, part, (&patch, w));
                 worst.at_most(over_m + fall_m, most_m, || moment(chord, part, w));
             }
         }
-    }
-
-    /// By how much the ground differs at most between a chord and the bow that is flown.
-    fn bow_rise_m(&self, chord: &Chord, part: &Stretch, (patch, w): (&Patch, f64)) -> f64 {
-        if chord.bow_m <= 0.0 {
-            return 0.0;
-        }
-        let line = (part.place(patch.w.0), part.place(patch.w.1));
-        chord.bow_m * self.surface.steepest(line, chord.bow_m, part.place(w))
     }
 
     fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {

@@ -7,6 +7,7 @@ use crate::world::{NoData, Terrain, TerrainGrid};
 use super::hills::Hills;
 use super::outline::metres_per_degree;
 use super::patch::{ERROR_M, Patch, SHARE};
+use super::segment::{Chord, Stretch};
 
 /// Metres in a degree on the sphere that analytic hills are drawn on.
 const METRES_PER_DEGREE: f64 = 111_195.08;
@@ -48,6 +49,11 @@ impl<'a> Surface<'a> {
         }
     }
 
+    /// The terrain that it is made of.
+    pub(crate) fn terrain(&self) -> &'a Terrain {
+        self.terrain
+    }
+
     /// The height of the ground at a place, metres above the sea.
     pub(crate) fn height_m(&self, place: LatLon) -> Result<f64, NoData> {
         Ok(self.terrain.height(place)?.0)
@@ -69,6 +75,20 @@ impl<'a> Surface<'a> {
                 .sum(),
             Terrain::Grid(grid) => steepest_cell(grid, place),
         }
+    }
+
+    /// By how much the ground differs at most between a chord and the bow that is flown, metres.
+    pub(crate) fn bow_rise_m(
+        &self,
+        chord: &Chord,
+        part: &Stretch,
+        (patch, w): (&Patch, f64),
+    ) -> f64 {
+        if chord.bow_m <= 0.0 {
+            return 0.0;
+        }
+        let line = (part.place(patch.w.0), part.place(patch.w.1));
+        chord.bow_m * self.steepest(line, chord.bow_m, part.place(w))
     }
 
     /// The ground under the line between two places, straight in latitude and longitude.

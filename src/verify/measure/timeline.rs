@@ -5,8 +5,8 @@ use std::borrow::Borrow;
 use nalgebra::Vector3;
 
 use crate::numeric::approach::{self, Approach, closest_approach, closest_horizontal, least_ratio};
-use crate::path::with_stops_s;
-use crate::spec::{Span, Vehicle};
+use crate::path::{Departing, with_stops_s};
+use crate::spec::Span;
 
 use super::segment::Chord;
 
@@ -25,7 +25,7 @@ pub(crate) struct Bounds {
 /// The chords of one vehicle, its own or those of a flight, and a binary tree of boxes around them.
 #[derive(Clone, Debug)]
 pub(crate) struct Timeline<'a, C = &'a Chord> {
-    pub(crate) vehicle: &'a Vehicle,
+    pub(crate) of: Departing<'a>,
     pub(crate) chords: Vec<C>,
     /// Heap order: the children of `n` are `2 n + 1` and `2 n + 2`.
     bounds: Vec<Option<Bounds>>,
@@ -58,15 +58,15 @@ pub(crate) struct Nearest {
 }
 
 impl<'a> Timeline<'a> {
-    pub(crate) fn new(vehicle: &'a Vehicle, chords: &'a [Chord]) -> Self {
+    pub(crate) fn new(of: Departing<'a>, chords: &'a [Chord]) -> Self {
         let chords = chords.iter().filter(|chord| chord.flown).collect();
-        Self::of(vehicle, chords)
+        Self::of(of, chords)
     }
 }
 
 impl<'a, C: Borrow<Chord>> Timeline<'a, C> {
     /// Of chords that are all flown.
-    pub(crate) fn of(vehicle: &'a Vehicle, chords: Vec<C>) -> Self {
+    pub(crate) fn of(of: Departing<'a>, chords: Vec<C>) -> Self {
         let leaves = chords.len().next_power_of_two();
         let mut bounds: Vec<Option<Bounds>> = vec![None; leaves - 1];
         bounds.extend(chords.iter().map(|chord| Some(Bounds::of(chord.borrow()))));
@@ -77,11 +77,7 @@ impl<'a, C: Borrow<Chord>> Timeline<'a, C> {
                 (one, other) => one.or(other),
             };
         }
-        Self {
-            vehicle,
-            chords,
-            bounds,
-        }
+        Self { of, chords, bounds }
     }
 
     fn leaf(&self, node: usize) -> Option<usize> {

@@ -138,14 +138,19 @@ impl Pilot<'_> {
         self.flight.follows_terrain |= knot.agl_m.is_some();
         let step_s = angle_rad(1) * orbit.radius_m.abs() / orbit.speed_mps;
         let first = self.trajectory.chords.len();
+        // It speeds up to that, loses the rest along the turns, and stops along the tangent where its position controller
+        // can.
+        self.trajectory.late_s += orbit.speed_mps / self.vehicle.accel_mps2;
+        let before_s = self.trajectory.late_s;
         if turns > 0.0 {
             for index in 0..count {
+                let share = f64::from(index + 1) / f64::from(count);
+                self.trajectory.late_s = before_s + share * stop_late_s(self.vehicle);
                 let ends = (orbit.at(angle_rad(index)), orbit.at(angle_rad(index + 1)));
                 self.lay_turn(knot, ends, step_s, &line)?;
             }
         }
-        // It speeds up to that, and stops along the tangent where its position controller can.
-        self.trajectory.late_s += orbit.speed_mps / self.vehicle.accel_mps2;
+        self.trajectory.late_s = before_s + stop_late_s(self.vehicle);
         let stop_m = stopping_m(orbit.speed_mps, self.vehicle.accel_mps2);
         let (end, before) = (orbit.at(TAU * turns), orbit.at(TAU * turns - 0.01));
         let unit_m = before.distance_m(end);
@@ -160,7 +165,6 @@ impl Pilot<'_> {
         for chord in &mut self.trajectory.chords[first..] {
             chord.wide_m = chord.wide_m.max(aside_m);
         }
-        self.trajectory.late_s += stop_late_s(self.vehicle);
         let at = if turns > 0.0 { rest } else { knot.at };
         self.knots = vec![self.knot(knot.row, at, self.amsl_at(&knot, at)?, knot.agl_m)];
         self.moving_mps = 0.0;

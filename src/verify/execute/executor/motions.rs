@@ -29,8 +29,8 @@ impl Pilot<'_> {
         let is_at_rest = rests
             .is_some_and(|rest| rest.until_s >= self.trajectory.t_s && rest.point == self.here());
         if is_at_rest && self.is_at_drop(low_m) {
-            self.lift(row, to_m, rate_mps, Some(Column::Drop));
             self.trajectory.late_s += stop_late_s(self.vehicle);
+            self.lift(row, to_m, rate_mps, Some(Column::Drop));
             return;
         }
         self.flight.slopes.push(Slope {

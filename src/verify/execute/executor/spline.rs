@@ -134,7 +134,6 @@ impl Pilot<'_> {
             self.fly_to_last(first_mps)?;
         }
         self.lay_spline(&ends)?;
-        self.trajectory.late_s += stop_late_s(self.vehicle);
         self.tangent = (self.moving_mps > 0.0).then_some(ends.arrive);
         self.knots = vec![ends.to];
         self.mark();
@@ -271,6 +270,7 @@ impl Pilot<'_> {
         };
         let mut speed_mps = self.moving_mps.min(self.speed_limit_mps(ends, 0.0));
         let first = self.trajectory.chords.len();
+        let before_s = self.trajectory.late_s;
         for index in 1..=count {
             let time = |index: u32| f64::from(index) / f64::from(count);
             let (from, to) = (ends.curve.at(time(index - 1)), ends.curve.at(time(index)));
@@ -285,6 +285,8 @@ impl Pilot<'_> {
                 most_mps.clamp((square - change).max(0.0).sqrt(), (square + change).sqrt());
             let duration_s = 2.0 * length_m / (speed_mps + next_mps).max(1e-6);
             let error_m = CHORD_ERROR_M + accel_mps2 * duration_s * duration_s / 8.0;
+            // What it takes longer it loses along the way.
+            self.trajectory.late_s = before_s + time(index) * stop_late_s(self.vehicle);
             self.lay_spline_chord(ends, (from, to), (duration_s, error_m))?;
             speed_mps = next_mps;
         }

@@ -116,8 +116,10 @@ impl Contract<'_> {
         let mut worst = Worst::default();
         for (chord, parts) in self.flown() {
             for part in parts {
-                let known_m = worst.room() + bound_m;
+                // What is flown may be as far as its bow from the chord, to any side.
+                let known_m = worst.room() + bound_m + chord.bow_m;
                 let (away_m, w) = fence.margin_m(&part, known_m);
+                let away_m = away_m - chord.bow_m;
                 worst.at_least(away_m, bound_m, || self.moment_of(chord, &part, w));
             }
         }
@@ -145,9 +147,9 @@ impl Contract<'_> {
         let mut backs: Vec<Part<'_>> = Vec::new();
         for (chord, parts) in self.flown() {
             for part in parts {
-                ways.push(Part::new(chord, part, 0.0));
+                ways.push(Part::new(chord, part, chord.bow_m));
                 // Another way back may be nearer by half of a step.
-                let back = |back| Part::new(chord, back, 0.5 * BACK_STEP_M);
+                let back = |back| Part::new(chord, back, 0.5 * BACK_STEP_M + chord.bow_m);
                 backs.extend(ways_back(&part, home).map(back));
             }
         }
