@@ -28,6 +28,7 @@ mod replan_returns;
 mod replan_stops;
 mod replan_trouble;
 mod replan_wings;
+mod screen_stalls;
 mod seen_in_flight;
 mod served;
 mod untrue_lines;
