@@ -18,6 +18,7 @@ mod flight_truth;
 mod flight_vehicle;
 mod flight_watch;
 mod flight_wings;
+mod ground_and_air;
 mod hostile_fleet;
 mod launch_time;
 mod orders_and_ends;

@@ -33,7 +33,7 @@ use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
 use skips::Skips;
-use tube::{LATE_ERROR_S, TubeWatch, assumed_late_s};
+use tube::TubeWatch;
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
 const OVER_S: f64 = 3.0;
@@ -526,24 +526,6 @@ fn over_s(kind: AlarmKind) -> f64 {
 }
 
 impl Watched<'_> {
-    /// What is said of a vehicle that has not taken off by when the verdict assumes it on its way at
-    /// the latest.
-    fn grounded(&mut self, t_s: f64, slack_s: f64) -> Option<String> {
-        let is_due = self.duty.flies && !self.duty.is_up && !self.duty.is_ordered;
-        let departs_s = self.plan.waypoints.first().filter(|_| is_due)?.t_s;
-        let here = self.here;
-        let (item, slip_s) = here.map_or((0, 0.0), |here| {
-            (here.fix.item, self.tube.slip_s(&here.fix))
-        });
-        let most_s = assumed_late_s(self, item) + slack_s + LATE_ERROR_S;
-        let late_s = t_s - departs_s - slip_s;
-        (late_s > most_s).then(|| {
-            format!(
-                "has not taken off {late_s:.0} s after its departure (the verdict assumed at most {most_s:.0} s)"
-            )
-        })
-    }
-
     /// Whether it flies its mission, as far as its heartbeat shows.
     fn is_on_plan(&self) -> bool {
         self.duty.flies && !self.duty.is_ordered && self.onboard.flies_mission(self.mission)

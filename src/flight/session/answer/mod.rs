@@ -104,7 +104,8 @@ impl<'a> Fleet<'a> {
                 is_ordered: vehicle.instruction.is_some(),
                 lands: vehicle.instruction == Some(Instruction::Land),
                 returns: vehicle.instruction == Some(Instruction::Return),
-                is_over: matches!(vehicle.stage, Stage::Ended),
+                // One that may be armed may still fly.
+                is_over: matches!(vehicle.stage, Stage::Ended) && vehicle.still_armed.is_none(),
                 held: vehicle.total.ready,
             };
             alarms.note(t_s, index, duty);
