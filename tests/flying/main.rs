@@ -32,4 +32,5 @@ mod replan_wings;
 mod screen_stalls;
 mod seen_in_flight;
 mod served;
+mod taken_over;
 mod untrue_lines;
