@@ -6,6 +6,7 @@ mod support;
 mod alarms;
 mod armed_time;
 mod diversion;
+mod elsewhere;
 mod flight;
 mod flight_commands;
 mod flight_hold;

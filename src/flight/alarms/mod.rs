@@ -453,6 +453,8 @@ impl<'a> Alarms<'a> {
         let no_estimate = health.estimate_silence().filter(|_| estimate_due);
         let no_gps = health.gps_silence().filter(|_| gps_due);
         let mission = of.onboard.mission(t_s).filter(|_| flies);
+        let others = of.onboard.others().map(|text| text.filter(|_| flies));
+        let [home, rally, lists] = others.map(|text| text.map(str::to_owned));
         let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
         if mode.is_some() && mode != of.mode_said {
@@ -469,6 +471,9 @@ impl<'a> Alarms<'a> {
             (AlarmKind::Ekf, "reports", no_estimate),
             (AlarmKind::Position, "reports", no_gps),
             (AlarmKind::Mission, "", mission),
+            (AlarmKind::Mission, "home", home),
+            (AlarmKind::Mission, "rally", rally),
+            (AlarmKind::Mission, "fence", lists),
             (AlarmKind::Mode, "", mode),
         ] {
             self.set(t_s, (kind, index, None, cause), text);
