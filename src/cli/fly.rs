@@ -18,6 +18,7 @@ use super::links;
 use super::print::console::{Paint, note, note_lines, out, out_json_text, warn_of_parked};
 use super::print::failure::Failure;
 use super::print::flight::report;
+use super::print::printer::Printer;
 use super::print::table;
 use crate::flight::{
     self, Driver, Fleet, FlightError, FlightPlan, Journal, Launch, Line, Options, Outcome, Underway,
@@ -96,8 +97,9 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     underway.announce(None)?;
     driver.fly(&mut fleet, &mut screen);
     underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
-    let session = screen.into_session();
-    let ended = end(driver, &fleet, &plan, arguments.json, !simulated.is_empty());
+    let (session, printer) = screen.into_parts();
+    let output = (arguments.json, printer);
+    let ended = end(driver, &fleet, &plan, output, !simulated.is_empty());
     finish(session, ended)
 }
 
@@ -189,18 +191,21 @@ fn launch(file: &SpecFile, now: Time, is_simulated: bool) -> Result<Option<Launc
     }))
 }
 
-/// Prints the verdict on what was flown.
+/// Prints the verdict on what was flown. Its documents are written first: the screen may take nothing.
 fn end(
     mut driver: Driver<'_>,
     fleet: &Fleet<'_>,
     plan: &FlightPlan,
-    json: bool,
+    (json, printer): (bool, Printer),
     has_simulated: bool,
 ) -> Result<(), Failure> {
     if let Some(Outcome::NotStarted(why)) = fleet.outcome() {
+        drop(printer);
         return Err(not_started(why, !driver.unwritten().is_empty()));
     }
     let recorded = driver.record_ends(fleet);
+    let judged = recorded.and_then(|()| driver.judge(plan));
+    let shown = printer.finish();
     let in_the_air = fleet.in_the_air();
     if !in_the_air.is_empty() && !has_simulated {
         note(&format!(
@@ -208,8 +213,7 @@ fn end(
             in_the_air.join(", ")
         ));
     }
-    recorded?;
-    let judged = driver.judge(plan)?;
+    let judged = judged?;
     // The operator sees the verdict whether or not its documents could be written.
     if json {
         out_json_text(&judged.json)?;
@@ -222,6 +226,7 @@ fn end(
     if let Some(message) = driver.unwritten().first() {
         return Err(Failure::new(Failure::OUTPUT, message));
     }
+    shown?;
     if judged.report.passes() {
         return Ok(());
     }

@@ -94,6 +94,7 @@ pub(in crate::cli) fn take_over(
     let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.fly(&mut fleet, &mut screen);
     underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
-    let session = screen.into_session();
-    super::finish(session, super::end(driver, &fleet, plan, json, false))
+    let (session, printer) = screen.into_parts();
+    let ended = super::end(driver, &fleet, plan, (json, printer), false);
+    super::finish(session, ended)
 }

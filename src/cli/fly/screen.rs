@@ -10,6 +10,7 @@ use super::Socket;
 use super::show::{self, Show};
 use crate::cli::print::console::{hang_up, note};
 use crate::cli::print::failure::Failure;
+use crate::cli::print::printer::Printer;
 use crate::flight::{Event, Fleet, FlightError, Intervention, Operator};
 use crate::link::Time;
 
@@ -84,14 +85,21 @@ impl Screen {
         })
     }
 
-    /// Leaves the screen to others; the session of the flight goes on.
-    pub(super) fn into_session(self) -> Option<Socket> {
-        self.socket
+    /// Leaves the screen to others: the session of the flight goes on, and lines may not be written yet.
+    pub(super) fn into_parts(self) -> (Option<Socket>, Printer) {
+        (self.socket, self.show.into_printer())
+    }
+
+    /// Whether everything could be shown so far, as far as is known.
+    fn shown(&self) -> Result<(), FlightError> {
+        let shown = self.show.shown();
+        shown.map_err(|failure| FlightError::Record(failure.message))
     }
 
     fn leave(&self) -> Intervention {
         if self.has_simulated {
-            note("the simulated vehicles end with this command");
+            self.show
+                .note("the simulated vehicles end with this command");
         }
         Intervention::Leave
     }
@@ -101,7 +109,8 @@ impl Screen {
     fn interrupted(&mut self) -> Option<Intervention> {
         if self.signals.hung_up.swap(false, Ordering::Relaxed) {
             hang_up();
-            note("the terminal is gone (SIGHUP): the fleet is still monitored and recorded");
+            self.show
+                .note("the terminal is gone (SIGHUP): the fleet is still monitored and recorded");
             self.has_terminal = false;
         }
         if self.signals.terminated.swap(false, Ordering::Relaxed) {
@@ -116,7 +125,8 @@ impl Screen {
         if again || !is_terminal() {
             return Some(self.leave());
         }
-        note("Ctrl-C: [h]old, [l]and, [q]uit and leave flying, anything else to go on?");
+        self.show
+            .note("Ctrl-C: [h]old, [l]and, [q]uit and leave flying, anything else to go on?");
         self.answers = Some(read_line());
         None
     }
@@ -127,23 +137,24 @@ impl Operator for Screen {
         if let Some(socket) = &mut self.socket {
             socket.show(&show::sentence(event));
         }
-        let shown = self.show.event(event);
-        shown.map_err(|failure| FlightError::Record(failure.message))
+        self.show.event(event);
+        self.shown()
     }
 
-    fn update(&mut self, fleet: &Fleet<'_>, now: Time) {
+    fn update(&mut self, fleet: &Fleet<'_>, now: Time) -> Result<(), FlightError> {
         self.show.fleet(fleet, now);
         if let Some(socket) = self.socket.as_mut().filter(|_| now >= self.table_due) {
             self.table_due = now + TABLE_MS;
             socket.set_table(fleet.status(now).iter().map(show::line).collect());
         }
+        self.shown()
     }
 
     fn warn(&mut self, text: &str) {
         if let Some(socket) = &mut self.socket {
             socket.show(text);
         }
-        note(text);
+        self.show.note(text);
     }
 
     fn intervention(&mut self) -> Option<Intervention> {
@@ -159,13 +170,14 @@ impl Operator for Screen {
         self.answers = None;
         match answer.trim().to_ascii_lowercase().as_str() {
             "h" | "hold" => {
-                note("the vehicles hold and are still monitored; Ctrl-C asks again");
+                self.show
+                    .note("the vehicles hold and are still monitored; Ctrl-C asks again");
                 return Some(Intervention::Hold);
             }
             "l" | "land" => return Some(Intervention::Land),
             "q" | "quit" => return Some(self.leave()),
-            "" => note("nothing was changed; Ctrl-C asks again"),
-            other => note(&format!(
+            "" => self.show.note("nothing was changed; Ctrl-C asks again"),
+            other => self.show.note(&format!(
                 "{other:?} is none of h, l and q: nothing was changed; Ctrl-C asks again"
             )),
         }

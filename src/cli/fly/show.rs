@@ -6,6 +6,7 @@ use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::cli::print::console::{note, out, shown};
 use crate::cli::print::failure::Failure;
+use crate::cli::print::printer::{Paper, Printer};
 use crate::cli::print::table;
 use crate::flight::{Event, Fleet, Status};
 use crate::link::Time;
@@ -13,40 +14,42 @@ use crate::link::Time;
 /// Between two pictures of the table, milliseconds.
 const PICTURE_MS: u64 = 250;
 
-/// A live table on a terminal, plain lines elsewhere.
+/// What an operator sees: handed to a thread that writes it, so that the flight waits for no terminal.
 pub(super) struct Show {
-    rows: Vec<ProgressBar>,
-    all: MultiProgress,
+    printer: Printer,
     is_live: bool,
-    /// Whether stdout belongs to a document.
-    json: bool,
     due: Time,
 }
 
 impl Show {
     pub(super) fn new(json: bool) -> Self {
-        Self {
+        let is_live = std::io::stderr().is_terminal();
+        let page = Page {
             rows: Vec::new(),
             all: MultiProgress::new(),
-            is_live: std::io::stderr().is_terminal(),
+            is_live,
             json,
+        };
+        Self {
+            printer: Printer::start(page),
+            is_live,
             due: Time(0),
         }
     }
 
     /// One line for what happened.
-    pub(super) fn event(&self, event: &Event) -> Result<(), Failure> {
-        let line = sentence(event);
-        if self.is_live {
-            // A terminal that is gone shows nothing.
-            let _ = self.all.println(shown(&line));
-            return Ok(());
-        }
-        if self.json {
-            note(&line);
-            return Ok(());
-        }
-        out(&line)
+    pub(super) fn event(&self, event: &Event) {
+        self.printer.line(sentence(event));
+    }
+
+    /// Whether every line could be written so far.
+    pub(super) fn shown(&self) -> Result<(), Failure> {
+        self.printer.failure()
+    }
+
+    /// One line that is no event.
+    pub(super) fn note(&self, line: &str) {
+        self.printer.note(line);
     }
 
     /// One row for each vehicle.
@@ -55,7 +58,45 @@ impl Show {
             return;
         }
         self.due = now + PICTURE_MS;
-        for (index, status) in fleet.status(now).iter().enumerate() {
+        self.printer
+            .table(fleet.status(now).iter().map(line).collect());
+    }
+
+    /// What may be not written yet.
+    pub(super) fn into_printer(self) -> Printer {
+        self.printer
+    }
+}
+
+/// A live table on a terminal, plain lines elsewhere.
+struct Page {
+    rows: Vec<ProgressBar>,
+    all: MultiProgress,
+    is_live: bool,
+    /// Whether stdout belongs to a document.
+    json: bool,
+}
+
+impl Paper for Page {
+    fn line(&mut self, line: &str) -> Result<(), Failure> {
+        if self.is_live {
+            // A terminal that is gone shows nothing.
+            let _ = self.all.println(shown(line));
+            return Ok(());
+        }
+        if self.json {
+            note(line);
+            return Ok(());
+        }
+        out(line)
+    }
+
+    fn note(&mut self, line: &str) {
+        note(line);
+    }
+
+    fn table(&mut self, rows: &[String]) {
+        for (index, text) in rows.iter().enumerate() {
             if self.rows.len() <= index {
                 let bar = self.all.add(ProgressBar::new(100));
                 if let Ok(style) = ProgressStyle::with_template("{wide_msg}") {
@@ -64,13 +105,13 @@ impl Show {
                 self.rows.push(bar);
             }
             if let Some(row) = self.rows.get(index) {
-                row.set_message(shown(&line(status)).into_owned());
+                row.set_message(shown(text).into_owned());
             }
         }
     }
 }
 
-impl Drop for Show {
+impl Drop for Page {
     fn drop(&mut self) {
         self.rows.iter().for_each(ProgressBar::finish_and_clear);
     }

@@ -134,6 +134,9 @@ impl Alarms<'_> {
         let Some(return_amsl) = of.vehicle.return_amsl else {
             return Some("no return_amsl_m is given".to_owned());
         };
+        if let Some(why) = of.onboard.returns_elsewhere() {
+            return Some(why);
+        }
         let ends = self.return_ends(of, &here, return_amsl);
         let mut ends = ends.iter();
         ends.find_map(|place| self.return_problem_to(t_s, (vehicle, of), (&here, place)))

@@ -1,7 +1,7 @@
-//! A vehicle that takes off before its time: separation was proven for its departure as planned.
+//! A vehicle that takes off before its time, or not by its time: separation was proven for its departure as planned.
 
-use super::tube::LATE_ERROR_S;
-use super::{Alarms, Here, Watched};
+use super::tube::{LATE_ERROR_S, assumed_late_s};
+use super::{Alarms, Here, STALE_S, Watched};
 use crate::path::takeoff_lateness_s;
 use crate::spec::AlarmKind;
 
@@ -9,6 +9,29 @@ use crate::spec::AlarmKind;
 const TAKEN_OFF_M: f64 = 5.0;
 
 impl Watched<'_> {
+    /// What is said of a vehicle that has not taken off by when the verdict assumes it on its way at
+    /// the latest.
+    pub(super) fn grounded(&mut self, t_s: f64, slack_s: f64) -> Option<String> {
+        let is_due = self.duty.flies && !self.duty.is_up && !self.duty.is_ordered;
+        let departs_s = self.plan.waypoints.first().filter(|_| is_due)?.t_s;
+        let here = self.here;
+        let (item, slip_s) = here.map_or((0, 0.0), |here| {
+            (here.fix.item, self.tube.slip_s(&here.fix))
+        });
+        let most_s = assumed_late_s(self, item) + slack_s + LATE_ERROR_S;
+        let late_s = t_s - departs_s - slip_s;
+        let is_known = here.is_some() && self.silent_s <= STALE_S;
+        let what = match is_known {
+            true => "has not taken off",
+            false => "is not known to have taken off:",
+        };
+        (late_s > most_s).then(|| {
+            format!(
+                "{what} {late_s:.0} s after its departure (the verdict assumed at most {most_s:.0} s)"
+            )
+        })
+    }
+
     /// What is said of a vehicle that has taken off earlier than the verdict assumed, once.
     fn early(&mut self, here: &Here, slack_s: f64) -> Option<String> {
         let home = self.plan.waypoints.first()?;

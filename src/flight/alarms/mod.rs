@@ -33,7 +33,7 @@ use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
 use skips::Skips;
-use tube::{LATE_ERROR_S, TubeWatch, assumed_late_s};
+use tube::TubeWatch;
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
 const OVER_S: f64 = 3.0;
@@ -453,6 +453,8 @@ impl<'a> Alarms<'a> {
         let no_estimate = health.estimate_silence().filter(|_| estimate_due);
         let no_gps = health.gps_silence().filter(|_| gps_due);
         let mission = of.onboard.mission(t_s).filter(|_| flies);
+        let others = of.onboard.others().map(|text| text.filter(|_| flies));
+        let [home, rally, lists] = others.map(|text| text.map(str::to_owned));
         let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
         if mode.is_some() && mode != of.mode_said {
@@ -469,6 +471,9 @@ impl<'a> Alarms<'a> {
             (AlarmKind::Ekf, "reports", no_estimate),
             (AlarmKind::Position, "reports", no_gps),
             (AlarmKind::Mission, "", mission),
+            (AlarmKind::Mission, "home", home),
+            (AlarmKind::Mission, "rally", rally),
+            (AlarmKind::Mission, "fence", lists),
             (AlarmKind::Mode, "", mode),
         ] {
             self.set(t_s, (kind, index, None, cause), text);
@@ -526,24 +531,6 @@ fn over_s(kind: AlarmKind) -> f64 {
 }
 
 impl Watched<'_> {
-    /// What is said of a vehicle that has not taken off by when the verdict assumes it on its way at
-    /// the latest.
-    fn grounded(&mut self, t_s: f64, slack_s: f64) -> Option<String> {
-        let is_due = self.duty.flies && !self.duty.is_up && !self.duty.is_ordered;
-        let departs_s = self.plan.waypoints.first().filter(|_| is_due)?.t_s;
-        let here = self.here;
-        let (item, slip_s) = here.map_or((0, 0.0), |here| {
-            (here.fix.item, self.tube.slip_s(&here.fix))
-        });
-        let most_s = assumed_late_s(self, item) + slack_s + LATE_ERROR_S;
-        let late_s = t_s - departs_s - slip_s;
-        (late_s > most_s).then(|| {
-            format!(
-                "has not taken off {late_s:.0} s after its departure (the verdict assumed at most {most_s:.0} s)"
-            )
-        })
-    }
-
     /// Whether it flies its mission, as far as its heartbeat shows.
     fn is_on_plan(&self) -> bool {
         self.duty.flies && !self.duty.is_ordered && self.onboard.flies_mission(self.mission)

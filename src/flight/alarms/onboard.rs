@@ -1,12 +1,13 @@
 //! What is on board, and in which mode: changed by whom.
 
+use crate::flight::launch::readiness;
 use crate::flight::record::Plan;
 use crate::flight::session::modes;
 use crate::link::{
     Address, Body, Command, CommandResult, FlightMessage, Heartbeat, List, Message, MissionMessage,
     MissionResult, as_line,
 };
-use crate::mission::VehicleMission;
+use crate::mission::{Home, VehicleMission};
 
 /// `MAV_STATE_CRITICAL`: from here on the autopilot acts in an emergency.
 const STATE_CRITICAL: u8 = 5;
@@ -17,6 +18,89 @@ const EXPLAINS_S: f64 = 3.0;
 const HEARD_OF_S: f64 = 1.0;
 /// What is on board may say more about what was written, seconds.
 const WRITTEN_S: f64 = 1.5;
+
+/// Home moves by less than this where an autopilot gets a better position, metres.
+const HOME_MOVES_M: f64 = 15.0;
+
+/// What differs in flight of home, fence and rally points: a return was judged to those of the plan.
+#[derive(Debug, Default)]
+struct Elsewhere {
+    /// Home as it was said last before the flight, and what it is now if that is another place.
+    home: Option<Home>,
+    moved: Option<String>,
+    /// The ids of the fence and of the rally points, and what was heard of them.
+    ids: [Option<u32>; 2],
+    lists: [Option<String>; 2],
+}
+
+const LISTS: [(List, &str); 2] = [(List::Fence, "fence"), (List::Rally, "rally points")];
+
+impl Elsewhere {
+    fn handle(&mut self, message: &Message, us: Address, mission: &VehicleMission, flies: bool) {
+        if !flies {
+            (self.moved, self.lists) = (None, [None, None]);
+        }
+        match message {
+            Message::HomePosition { x, y, amsl_mm } => {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "float32 is what missions have"
+                )]
+                let amsl_m = (f64::from(*amsl_mm) / 1000.0) as f32;
+                let home = Home {
+                    x: *x,
+                    y: *y,
+                    amsl_m,
+                };
+                if flies {
+                    self.moved = moved(self.home.as_ref().unwrap_or(&mission.home), &home);
+                } else {
+                    self.home = Some(home);
+                }
+            }
+            Message::MissionCurrent { opaque_ids, .. } => {
+                let has_ids = opaque_ids.iter().any(|id| *id != 0);
+                for (at, (_, what)) in LISTS.iter().enumerate() {
+                    // One that says no id at all says 0 of each.
+                    let id = Some(opaque_ids[at + 1]).filter(|_| has_ids);
+                    let known = self.ids[at].filter(|_| flies).or(id);
+                    if id.is_some() && id != known {
+                        let text = format!("the {what} on board are others (their id changed)");
+                        self.lists[at].get_or_insert(text);
+                    }
+                    self.ids[at] = known;
+                }
+            }
+            Message::Mission(MissionMessage {
+                target,
+                mission_type,
+                body:
+                    Body::Ack {
+                        result: MissionResult::ACCEPTED,
+                        ..
+                    },
+            }) if flies && target.system != 0 && target.system != us.system => {
+                for (at, (list, what)) in LISTS.iter().enumerate() {
+                    if *mission_type == list.mission_type() {
+                        let system = target.system;
+                        self.lists[at] = Some(format!(
+                            "acknowledged {what}, or that they were cleared, to system {system}"
+                        ));
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// In what a home differs from the one before, if it is another place.
+fn moved(before: &Home, now: &Home) -> Option<String> {
+    let across_m = readiness::place(before).chord_m(readiness::place(now));
+    let up_m = f64::from(now.amsl_m) - f64::from(before.amsl_m);
+    let off_m = across_m.max(up_m.abs());
+    (off_m > HOME_MOVES_M).then(|| format!("its home was moved by {off_m:.0} m in flight"))
+}
 
 /// The mission and the mode of one vehicle.
 #[derive(Debug)]
@@ -32,6 +116,8 @@ pub(super) struct Onboard {
     differs: Option<(String, f64)>,
     /// The other station that it was heard to take a mission from.
     written_by: Option<(u8, f64)>,
+    /// Where else it may return to.
+    elsewhere: Elsewhere,
     beat: Option<Heartbeat>,
     /// Whether it was in its mission, and the name of the mode after it.
     was_in_mission: bool,
@@ -53,6 +139,7 @@ impl Onboard {
             id: None,
             differs: None,
             written_by: None,
+            elsewhere: Elsewhere::default(),
             beat: None,
             was_in_mission: false,
             cause: None,
@@ -101,6 +188,7 @@ impl Onboard {
             (self.total, self.id, self.differs) = (None, None, None);
             self.written_by = None;
         }
+        self.elsewhere.handle(message, us, mission, flies);
         match message {
             Message::Heartbeat(beat) => self.beat(t_s, *beat, mission),
             Message::MissionCurrent {
@@ -210,6 +298,19 @@ impl Onboard {
             Some(format!("{what} {system}: it may fly another one"))
         };
         differs.or_else(written)
+    }
+
+    /// What is heard to be other than planned of home, of the rally points and of the fence.
+    pub(super) fn others(&self) -> [Option<&str>; 3] {
+        let [fence, rally] = &self.elsewhere.lists;
+        [&self.elsewhere.moved, rally, fence].map(Option::as_deref)
+    }
+
+    /// Why it may return to another place than planned.
+    pub(super) fn returns_elsewhere(&self) -> Option<String> {
+        let [home, rally, _] = self.others();
+        let why = home.or(rally)?;
+        Some(format!("{why}: where it would return to is not known"))
     }
 
     /// Who sent it on its mission, if that was heard.

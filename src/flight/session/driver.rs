@@ -32,13 +32,16 @@ const BURST: usize = 1000;
 
 /// The operator at the screen.
 pub trait Operator {
-    /// Shows an event.
+    /// Shows an event. No call waits for the screen.
     ///
     /// # Errors
-    /// [`FlightError::Record`]: it cannot be shown.
+    /// [`FlightError::Record`]: it, or one before it, cannot be shown.
     fn event(&mut self, event: &Event) -> Result<(), FlightError>;
     /// Shows the state of the fleet.
-    fn update(&mut self, fleet: &Fleet<'_>, now: Time);
+    ///
+    /// # Errors
+    /// [`FlightError::Record`]: something before it could not be shown.
+    fn update(&mut self, fleet: &Fleet<'_>, now: Time) -> Result<(), FlightError>;
     /// Shows a problem of the driver itself.
     fn warn(&mut self, text: &str);
     /// What the operator wants now, if anything.
@@ -150,7 +153,8 @@ impl<'a> Driver<'a> {
             if let Some(intervention) = operator.intervention() {
                 fleet.intervene(now, intervention);
             }
-            operator.update(fleet, now);
+            let shown = operator.update(fleet, now);
+            self.note_unwritten(fleet, operator, shown);
             if fleet.outcome().is_some() {
                 return self.record(fleet, operator);
             }

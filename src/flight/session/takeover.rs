@@ -2,12 +2,21 @@
 
 use super::vehicle::Assignment;
 use super::{Event, Fleet, Options, Phase};
+use crate::flight::conformance::reference::Reference;
+use crate::flight::record::Flight;
 use crate::flight::record::interrupted::Interrupted;
 use crate::link::{Address, Time};
 
+/// The last plan of a vehicle, if it was not seen to fly it yet: its number of items, and how it is flown.
+fn sent(recorded: &Flight) -> Option<(usize, Reference)> {
+    let flown = recorded.plan_of_each().last().copied().unwrap_or_default();
+    let (last, plan) = recorded.plans.iter().enumerate().next_back()?;
+    (last > flown).then(|| (plan.items, plan.reference.clone()))
+}
+
 impl<'a> Fleet<'a> {
     /// Takes over a flight from its record, in the name of `us`, at a time on the clock of the
-    /// driver and in milliseconds since 1970. Each vehicle flies the plan of its last position;
+    /// driver and in milliseconds since 1970. Each vehicle flies the plan of its last position, or is sent a later one;
     /// the time without a record is named as a stop.
     #[must_use]
     pub fn take_over(
@@ -35,6 +44,7 @@ impl<'a> Fleet<'a> {
         for vehicle in &mut fleet.vehicles {
             if let Some(recorded) = flight.flight(vehicle.of.vehicle) {
                 vehicle.take_over(recorded, t0_ms);
+                vehicle.total.next = sent(recorded);
             }
         }
         let (from_s, t_s) = (flight.until_s(), since_ms / 1000.0);

@@ -3,6 +3,7 @@
 mod arming;
 mod checks;
 mod ending;
+mod ground;
 mod height;
 mod hold;
 mod messages;
@@ -34,8 +35,8 @@ use ending::Motors;
 use hold::HoldWatch;
 use texts::Texts;
 
-/// Above home by this much a vehicle is in the air, metres.
-const AIRBORNE_M: f64 = 1.5;
+/// Higher than where it stood by this much a vehicle is in the air, metres: heights drift.
+const AIRBORNE_M: f64 = 3.0;
 
 /// What one vehicle shall do.
 #[derive(Clone, Debug)]

@@ -4,6 +4,7 @@ use super::vehicle::{Instruction, Stage};
 use super::{Fleet, Phase};
 use crate::flight::alarms::{Alarm, Alarms, Duty, Watch};
 use crate::flight::event::{AlarmMark, Event};
+use crate::flight::record::Plan;
 use crate::flight::record::lines::{PlanLine, ThreatLine};
 use crate::link::{FlightMessage, Message, Time};
 use crate::spec::{Action, AlarmKind, MissionSpec, Who};
@@ -41,6 +42,16 @@ impl<'a> Fleet<'a> {
         let watches: Option<Vec<Watch<'a>>> = self.vehicles.iter().map(of).collect();
         let speedup = self.options.speedup;
         self.alarms = watches.map(|fleet| Alarms::new(spec, world, fleet, self.us, speedup));
+        // What was sent before its flight was taken over.
+        let vehicles = self.vehicles.iter().enumerate();
+        for (index, vehicle) in vehicles {
+            if let (Some(alarms), Some((items, reference))) =
+                (&mut self.alarms, &vehicle.total.next)
+            {
+                let (items, reference) = (*items, reference.clone());
+                alarms.replan(index, Plan { items, reference });
+            }
+        }
         self
     }
 
@@ -104,7 +115,8 @@ impl<'a> Fleet<'a> {
                 is_ordered: vehicle.instruction.is_some(),
                 lands: vehicle.instruction == Some(Instruction::Land),
                 returns: vehicle.instruction == Some(Instruction::Return),
-                is_over: matches!(vehicle.stage, Stage::Ended),
+                // One that may be armed may still fly.
+                is_over: matches!(vehicle.stage, Stage::Ended) && vehicle.still_armed.is_none(),
                 held: vehicle.total.ready,
             };
             alarms.note(t_s, index, duty);

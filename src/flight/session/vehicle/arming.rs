@@ -369,6 +369,10 @@ impl FlightVehicle<'_> {
     }
 
     fn finish_disarming(&mut self, end: Option<End>) {
+        if let Stage::Disarming(disarming) = &self.stage {
+            self.motors.if_airborne = disarming.if_airborne;
+        }
+        self.motors.ended = true;
         self.command([]);
         match end {
             Some(end) => self.end(end),

@@ -2,7 +2,7 @@
 
 use super::arming::BEATS;
 use super::height::Height;
-use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
+use super::{FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
 use crate::flight::session::end::End;
@@ -13,17 +13,7 @@ use crate::flight::session::orbit::Orbit;
 const SILENT_MS: u64 = 2500;
 
 /// Motors that stop higher above the ground than this did not stop on it, metres: as for the verdict.
-const HIGH_M: f64 = 10.0;
-/// A vehicle that has come to rest on the ground stops its motors within this time, seconds; slower than this
-/// it rests, m/s, and moves up and down by less, metres.
-const RUNS_ON_S: f64 = 30.0;
-/// A vehicle that has flown and is lower than this over the ground, metres, is on it after this time, seconds; but where it
-/// puts a load down.
-const GROUND_M: f64 = 2.0;
-const STANDS_S: f64 = 2.0;
-const RESTS_MPS: f64 = 0.5;
-const RESTS_M: f64 = 1.0;
-
+pub(super) const HIGH_M: f64 = 10.0;
 /// Heartbeats in a row: one alone may be of another component, or wrong.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Motors {
@@ -37,22 +27,24 @@ pub(crate) struct Motors {
     /// Whether it was reported that they must run for longer before it takes off.
     pub(crate) is_awaited: bool,
     stand: u8,
-    run: u8,
-    /// Whether its flight ended because they stood.
-    ended: bool,
+    pub(super) run: u8,
+    /// Whether its flight ended because they stood, or were ordered to on the ground.
+    pub(super) ended: bool,
     /// When the first heartbeat showed them to stand, seconds after T0.
     stood_s: Option<f64>,
     /// How high above the ground it was then, metres; and whether that was not known.
     stood_agl_m: Option<f64>,
     stood_unknown: bool,
     /// Since when it has rested on the ground, seconds after T0, and its altitude there, metres.
-    rests: Option<(f64, f64)>,
+    pub(super) rests: Option<(f64, f64)>,
     /// Whether it was high above the ground.
-    was_high: bool,
-    /// Since when it has been as low as the ground again, seconds after T0.
-    low_s: Option<f64>,
+    pub(super) was_high: bool,
+    /// Since when it has been as low as the ground again, and hardly moves, seconds after T0, and its altitude there, metres.
+    pub(super) low: Option<(f64, f64)>,
     /// Whether its motors ran on after that.
-    run_on: bool,
+    pub(super) run_on: bool,
+    /// What it is ordered to do if it is heard to fly after that.
+    pub(super) if_airborne: Option<Instruction>,
     /// Positions since the first heartbeat that shows them to stand: of the flight if it goes on.
     since: Vec<Fix>,
 }
@@ -140,26 +132,11 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// Its motors were seen to stand, and it flies: it is watched again.
-    pub(super) fn flies_on(&mut self) {
-        let home_m = f64::from(self.of.mission.home.amsl_m);
-        let is_up = |(_, fix): (f64, Fix)| fix.amsl.0 - home_m > AIRBORNE_M;
-        if !self.motors.ended || self.motors.run < BEATS || !self.latest.is_some_and(is_up) {
-            return;
-        }
-        self.said
-            .push_back("its motors run, and it is in the air: it is watched again".to_owned());
-        self.motors = Motors::default();
-        (self.flown.end, self.flown.until_s) = (End::default(), None);
-        self.airborne = true;
-        self.stage = Stage::Flying;
-    }
-
     /// Its time is over: in the air it is left to itself, on the ground its motors are stopped.
     pub(in crate::flight) fn give_up(&mut self, why: String, is_lost: bool) {
         let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
         let was_started = matches!(self.stage, Stage::Armed | Stage::Starting | Stage::Flying);
-        let is_down = !self.airborne || self.motors.run_on;
+        let is_down = !self.airborne || self.is_down();
         if was_started && is_armed && is_down && !is_lost {
             let what = match self.airborne {
                 true => "its motors run on the ground",
@@ -297,65 +274,6 @@ impl FlightVehicle<'_> {
         self.say_what_was_dropped();
         self.flown.end = End::Loitering;
         self.stage = Stage::Ended;
-    }
-
-    /// Says once that it has come to rest on the ground and its motors run on.
-    fn check_motors(&mut self, fix: Fix) {
-        let is_low = self.motors.agl_m.is_some_and(|agl_m| agl_m <= HIGH_M);
-        let may_be_down = is_low && fix.speed_mps <= RESTS_MPS && self.is_at_its_landing(fix);
-        let amsl_m = fix.amsl.0;
-        let rests = self
-            .motors
-            .rests
-            .filter(|(_, at_m)| (amsl_m - at_m).abs() <= RESTS_M);
-        self.motors.rests = may_be_down.then(|| rests.unwrap_or((fix.t_s, amsl_m)));
-        let puts_down = {
-            let reference = &self.of.reference;
-            reference.dips_at(fix.item, reference.frame().to_plan(fix.place))
-        };
-        self.motors.was_high |= self.motors.agl_m.is_some_and(|agl_m| agl_m > HIGH_M);
-        let is_low = self.motors.agl_m.is_some_and(|agl_m| agl_m <= GROUND_M);
-        let is_grounded = is_low && self.motors.was_high && !puts_down;
-        self.motors.low_s = is_grounded.then(|| self.motors.low_s.unwrap_or(fix.t_s));
-        if self.motors.rests.is_none() && self.motors.low_s.is_some() {
-            // Its motors may twitch, its positions drift.
-            self.motors.rests = self.motors.low_s.map(|since_s| (since_s, amsl_m));
-        }
-        let since_s = self.motors.rests.map(|(since_s, _)| fix.t_s - since_s);
-        let run_on = since_s.is_some_and(|since_s| since_s >= RUNS_ON_S);
-        if run_on && !self.motors.run_on {
-            let text = "is on the ground, and its motors run on: keep away from it";
-            self.said.push_back(text.to_owned());
-        }
-        self.motors.run_on = run_on;
-    }
-
-    /// Whether it has come down and is on the ground.
-    pub(crate) fn stands(&self) -> bool {
-        let last_s = self.latest.map_or(0.0, |(_, fix)| fix.t_s);
-        let low_s = self.motors.low_s.filter(|_| self.airborne);
-        low_s.is_some_and(|since_s| last_s - since_s >= STANDS_S)
-    }
-
-    /// Whether it is where it has come to rest while its motors run.
-    pub(super) fn rests_on_ground(&self, fix: Fix) -> bool {
-        let rests = self.motors.rests.filter(|_| self.motors.run_on);
-        rests.is_some_and(|(_, at_m)| (fix.amsl.0 - at_m).abs() <= 3.0 * RESTS_M)
-    }
-
-    /// Whether it is where it lands: by its order, or at the end of its mission.
-    fn is_at_its_landing(&self, fix: Fix) -> bool {
-        let near_m = arrival::landing_m(self.of.mission.airframe);
-        let (home_m, rally_m) = self.away_from_returns_m(fix);
-        match self.instruction {
-            Some(Instruction::Hold) => false,
-            Some(Instruction::Land) => true,
-            Some(Instruction::Return) => home_m.min(rally_m) <= near_m,
-            None => {
-                let reference = &self.of.reference;
-                reference.lands && arrival::away_m(reference, fix.place) <= near_m
-            }
-        }
     }
 
     /// A wing stays where it has flown a whole circle.

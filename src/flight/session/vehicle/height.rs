@@ -2,11 +2,14 @@
 
 use super::FlightVehicle;
 use crate::geodesy::Amsl;
-use crate::link::{LandedState, Position};
+use crate::link::{LandedState, Position, Time};
 
 /// An altitude that stays exactly the same while the height above home changes by more than this, metres, is one
 /// of before, and so is the place.
 const LOST_M: f64 = 1.0;
+
+/// What it said of ground and air counts for this long, milliseconds: it says so each second.
+const SAID_MS: u64 = 3000;
 
 /// Place, altitude and height above home as they are sent. An `ArduPilot` without a place repeats the last one and its
 /// altitude, and goes on with the height above home.
@@ -23,6 +26,12 @@ pub(crate) struct Height {
     /// Whether it said that it is on the ground, and whether that was before its last armed heartbeat.
     says_grounded: bool,
     is_grounded: bool,
+    /// What it said last of ground and air, and when.
+    landed: Option<(LandedState, Time)>,
+    /// Its height above home while it stood with its motors, metres.
+    stood_m: f64,
+    /// Whether its last position shows it in the air.
+    pub(super) is_up: bool,
 }
 
 impl Height {
@@ -44,13 +53,30 @@ impl Height {
     }
 
     /// A vehicle that says so before its motors stop is on the ground; what it says after that shows nothing.
-    pub(super) fn take_landed(&mut self, state: LandedState) {
+    pub(super) fn take_landed(&mut self, state: LandedState, now: Time) {
+        self.landed = Some((state, now));
         self.says_grounded = state == LandedState::ON_GROUND;
         self.is_grounded &= self.says_grounded;
     }
 
     pub(super) fn take_armed(&mut self) {
         self.is_grounded = self.says_grounded;
+    }
+
+    /// What it says of ground and air, if that is not too old.
+    pub(super) fn said(&self, now: Time) -> Option<LandedState> {
+        let fresh = self.landed.filter(|(_, at)| now - *at <= SAID_MS);
+        fresh.map(|(state, _)| state)
+    }
+
+    /// It stands at that height above home.
+    pub(super) fn stand(&mut self, above_m: f64) {
+        self.stood_m = above_m;
+    }
+
+    /// How much higher a position is than where it stood, metres.
+    pub(super) fn risen_m(&self, position: &Position) -> f64 {
+        position.above_home_m() - self.stood_m
     }
 
     /// Whether it was on the ground by its own word, while its motors ran.

@@ -1,6 +1,6 @@
 //! What a vehicle says: heartbeats, positions, items, texts.
 
-use super::{AIRBORNE_M, FlightVehicle, Stage};
+use super::{FlightVehicle, Stage};
 use crate::autopilot::Version;
 use crate::flight::event::says;
 use crate::flight::record::Fix;
@@ -68,6 +68,9 @@ impl FlightVehicle<'_> {
                 self.beat_at = now;
                 self.heed_motors(*beat, flight_ms, t0_ms.is_some());
                 self.heartbeat(*beat, t_s);
+                if beat.is_armed() && matches!(self.stage, Stage::Ended) && t0_ms.is_some() {
+                    self.flies_on();
+                }
             }
             Message::HomePosition { x, y, amsl_mm } => {
                 #[expect(
@@ -127,6 +130,7 @@ impl FlightVehicle<'_> {
             }
             FlightMessage::ItemReached { seq } => {
                 let row = self.row(*seq);
+                self.heed_word(Some(row));
                 let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
                 if flies && self.flown.reach(row, t_s) {
                     let at = self
@@ -136,7 +140,10 @@ impl FlightVehicle<'_> {
                     self.progress.take_reached(row, t_s);
                 }
             }
-            FlightMessage::Landed(state) => self.motors.height.take_landed(*state),
+            FlightMessage::Landed(state) => {
+                self.motors.height.take_landed(*state, now);
+                self.heed_word(None);
+            }
             FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
             FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
             FlightMessage::CommandAck {
@@ -221,7 +228,7 @@ impl FlightVehicle<'_> {
         self.latest = Some((at_ms, fix));
         self.is_fresh = true;
         let is_away = !self.airborne && self.is_away(&fix);
-        let is_up = position.above_home_m() > AIRBORNE_M || is_away;
+        let is_up = self.heed_height(position, is_away);
         if is_up && !self.rests_on_ground(fix) {
             self.heed_takeoff();
         }
@@ -270,7 +277,6 @@ impl FlightVehicle<'_> {
         let has_stopped = self.has_stopped(beat.is_armed(), t_s);
         match self.stage {
             Stage::Flying if has_stopped => self.stopped(beat.custom_mode),
-            Stage::Ended if beat.is_armed() => self.flies_on(),
             Stage::Flying if was && !self.in_mission && self.instruction.is_none() => {
                 // The alarm says by whom.
                 self.left = true;

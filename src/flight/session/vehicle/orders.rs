@@ -27,10 +27,10 @@ impl FlightVehicle<'_> {
     }
 
     /// Stops the motors of a vehicle whose mission was started and which has not taken off, instead of an
-    /// order that it would take on the ground. Whether it is such a one.
+    /// order that it would take on the ground. Whether it is such a one: without a position that is not known.
     pub(in crate::flight) fn stays_on_ground(&mut self, instruction: Instruction) -> bool {
         let was_started = matches!(self.stage, Stage::Flying | Stage::Starting);
-        if !was_started || self.airborne {
+        if !was_started || self.airborne || !self.is_known_to_stand() {
             return false;
         }
         let why = format!("was ordered to {} before it took off", instruction.verb());

@@ -1,6 +1,7 @@
 //! A vehicle whose flight is taken over from its record: by its heartbeat and a position of now it
 //! flies on, has landed meanwhile, or never took off.
 
+use super::arming::BEATS;
 use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::itinerary::progress::Progress;
 use crate::flight::record::Flight;
@@ -26,16 +27,18 @@ impl FlightVehicle<'_> {
         self.stage = Stage::Rejoining { known, ordered };
     }
 
-    /// Decides where it is on its flight, once it was heard.
+    /// Decides where it is on its flight, once it was heard: by a position, or by heartbeats that show it armed.
     pub(in crate::flight::session) fn check_rejoin(&mut self) {
         let Stage::Rejoining { known, ordered } = self.stage else {
             return;
         };
-        let Some((_, beat)) = self.vehicle.filter(|_| self.flown.fixes.len() > known) else {
+        let is_placed = self.flown.fixes.len() > known;
+        let runs = self.motors.run >= BEATS;
+        let Some((_, beat)) = self.vehicle.filter(|_| is_placed || runs) else {
             return;
         };
         match (beat.is_armed(), self.airborne) {
-            (true, is_up) if is_up || self.in_mission => {
+            (true, is_up) if is_up || self.in_mission || !is_placed => {
                 self.rejoin_in_the_air(beat.custom_mode);
                 if let Some(instruction) = ordered {
                     self.instruct(instruction);
@@ -72,6 +75,22 @@ impl FlightVehicle<'_> {
         }
     }
 
+    /// An order of the record that its mode does not show is given again, except a return: its way was judged from where
+    /// it was then.
+    fn repeat(&mut self, order: Instruction) {
+        let (verb, is_return) = (order.verb(), order == Instruction::Return);
+        let what = match is_return {
+            true => "is not ordered again: hold or land it",
+            false => "is ordered again",
+        };
+        self.said.push_back(format!(
+            "is watched again: it flies its mission although it was ordered to {verb}, which {what}"
+        ));
+        if !is_return {
+            self.instruct(order);
+        }
+    }
+
     /// An order of before is known by the record, or by its mode.
     fn rejoin_in_the_air(&mut self, custom_mode: u32) {
         self.stage = Stage::Flying;
@@ -80,6 +99,9 @@ impl FlightVehicle<'_> {
         let text = if let Some(order) = ordered.filter(|of| self.may_obey(*of, custom_mode)) {
             self.begin_instruction(order);
             format!("was ordered to {}, and is in {mode}", order.verb())
+        } else if let Some(order) = ordered.filter(|_| self.in_mission) {
+            // It stands: had somebody sent the vehicle on its mission again, the record would say so.
+            return self.repeat(order);
         } else if self.in_mission {
             "flies its mission".to_owned()
         } else if modes::is_hold(self.of.mission, custom_mode) {

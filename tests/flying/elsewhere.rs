@@ -1,0 +1,111 @@
+//! A return is ordered only to where it was judged to lead.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use super::flight_truth::{count, sky};
+use crate::support::sky::{Planned, Sky, lane, plan};
+use sortie::geodesy::Amsl;
+use sortie::link::*;
+use sortie::simulator::Fault;
+use sortie::spec::{Action, Answer, OnLinkLoss, Who};
+
+fn returning() -> Planned {
+    let mut fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
+    fleet[0].return_amsl = Some(Amsl(520.0));
+    let mut plan = plan(fleet, OnLinkLoss::Continue);
+    let (who, action) = (Who::Vehicle, Action::Return);
+    plan.spec.on_alarm.battery = Some(Answer { who, action });
+    plan
+}
+
+/// From 40 s on this happens to the messages of alpha; its battery is empty at 60 s.
+fn ordered(plan: &Planned, change: impl Fn(&mut Message) -> Option<Message> + 'static) -> Sky<'_> {
+    let mut sky = sky(plan);
+    sky.fly_to(40.0);
+    sky.down = Some(Box::new(move |_, from, mut message| {
+        let more = match from.system {
+            1 => change(&mut message),
+            _ => None,
+        };
+        let all = more.into_iter().chain([message]);
+        all.map(|message| (from, message)).collect()
+    }));
+    sky.fly_to(60.0);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    sky.fly_to(66.0);
+    sky
+}
+
+#[test]
+fn a_return_is_not_ordered_where_home_was_moved_in_flight() {
+    let plan = returning();
+    // By 5 m, and by 110 m.
+    for (by, alarms) in [(450, 0), (10_000, 1)] {
+        let sky = ordered(&plan, move |message| {
+            if let Message::HomePosition { x, .. } = message {
+                *x += by;
+            }
+            None
+        });
+        let moved = count(&sky, "alpha", "ALARM mission: its home was moved by");
+        assert_eq!(moved, alarms, "{:?}", sky.events);
+        let returns = count(&sky, "alpha", "is ordered to return");
+        assert_eq!(returns, 1 - alarms, "{:?}", sky.events);
+        let why = "does not return, it continues: its home was moved by";
+        assert_eq!(count(&sky, "alpha", why), alarms, "{:?}", sky.events);
+    }
+}
+
+#[test]
+fn rally_points_or_a_fence_that_another_station_is_heard_to_write_are_an_alarm() {
+    let plan = returning();
+    for (mission_type, what, returns) in [(2, "rally points", 0), (1, "fence", 1)] {
+        let sky = ordered(&plan, move |message| {
+            let target = Address {
+                system: 254,
+                component: 190,
+            };
+            let body = Body::Ack {
+                result: MissionResult::ACCEPTED,
+                opaque_id: 0,
+            };
+            let ack = MissionMessage {
+                target,
+                mission_type,
+                body,
+            };
+            matches!(message, Message::Heartbeat(_)).then_some(Message::Mission(ack))
+        });
+        let text =
+            format!("ALARM mission: acknowledged {what}, or that they were cleared, to system 254");
+        assert_eq!(count(&sky, "alpha", &text), 1, "{:?}", sky.events);
+        let ordered = count(&sky, "alpha", "is ordered to return");
+        assert_eq!(ordered, returns, "{:?}", sky.events);
+    }
+}
+
+#[test]
+fn another_id_of_the_rally_points_on_board_is_an_alarm_and_no_return_is_ordered() {
+    let plan = returning();
+    let mut sky = sky(&plan);
+    let is_changed = Rc::new(Cell::new(false));
+    let changed = Rc::clone(&is_changed);
+    sky.down = Some(Box::new(move |_, from, mut message| {
+        if let Message::MissionCurrent { opaque_ids, .. } = &mut message {
+            // First there are none.
+            *opaque_ids = [5, 6, if changed.get() { 77 } else { 0 }];
+        }
+        vec![(from, message)]
+    }));
+    sky.fly_to(40.0);
+    assert_eq!(count(&sky, "alpha", "ALARM"), 0, "{:?}", sky.events);
+    is_changed.set(true);
+    sky.fly_to(60.0);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    sky.fly_to(66.0);
+    let text = "ALARM mission: the rally points on board are others (their id changed)";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    let ordered = count(&sky, "alpha", "is ordered to return");
+    assert_eq!(ordered, 0, "{:?}", sky.events);
+}

@@ -1,0 +1,133 @@
+//! A flight that is taken over from its record: nothing that was sent or ordered is lost.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss
+)]
+
+use std::collections::BTreeMap;
+
+use super::flight_truth::{count, sky, two};
+use crate::support::sky::{Planned, Sky, US};
+use sortie::flight::*;
+use sortie::link::*;
+use sortie::spec::Action;
+
+/// Milliseconds since 1970 at T0.
+const T0_MS: u64 = 1_700_000_000_000;
+
+/// The ground station is killed, and another one takes over by the record and these lines.
+fn take_over<'a>(plan: &'a Planned, sky: &mut Sky<'a>, more: &[Line]) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let record = plan.record(sky);
+    let t_s = sky.fleet.t_s(sky.now).expect("T0");
+    let ids = record.flights.iter().map(|of| of.vehicle.clone());
+    let head = Line::Head {
+        sortie: "0".to_owned(),
+        spec_sha256: String::new(),
+        speedup: 1.0,
+        vehicles: ids.collect(),
+    };
+    let t0_unix_s = T0_MS / 1000;
+    let mut lines = vec![head.text(), Line::Start { t0_unix_s }.text()];
+    for flight in &record.flights {
+        let vehicle = &flight.vehicle;
+        lines.push(Line::of_plan(vehicle, 0.0, &flight.plans[0]).text());
+        let fixes = flight.flown.fixes.iter();
+        lines.extend(fixes.map(|fix| Line::of_fix(vehicle, fix).text()));
+    }
+    lines.extend(more.iter().map(Line::text));
+    let name = "flight-1.jsonl";
+    std::fs::write(folder.path().join(name), lines.join("\n") + "\n").expect("written");
+    let mut underway = Underway::new(folder.path().to_owned(), BTreeMap::new(), 1.0);
+    underway.notice.record = name.to_owned();
+    underway.notice.t0_unix_ms = Some(T0_MS);
+    let frame = plan.world.frame;
+    let flight = Interrupted::find(folder.path(), &underway, frame).expect("a record");
+    let itineraries = plan.itineraries();
+    let missions = plan.dispatched.missions.iter().zip(plan.references());
+    let assignments = missions
+        .enumerate()
+        .map(|(link, ((index, mission), reference))| Assignment {
+            vehicle: &plan.spec.vehicles[*index].id,
+            sysid: plan.spec.vehicles[*index].sysid,
+            link,
+            mission,
+            reference,
+            start_s: 0.0,
+            upload: false,
+            itinerary: itineraries[*index].clone(),
+        });
+    let at = (sky.now, T0_MS + (1000.0 * t_s) as u64);
+    let options = plan.options(false);
+    let fleet = Fleet::take_over(assignments.collect(), options, US, at, &flight);
+    sky.fleet = fleet.watched(&plan.spec, &plan.world);
+    sky.events.clear();
+}
+
+#[test]
+fn a_vehicle_that_sends_heartbeats_and_no_position_is_watched_and_takes_orders() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(40.0);
+    take_over(&plan, &mut sky, &[]);
+    sky.down = Some(Box::new(|_, from, message| {
+        let is_position = matches!(message, Message::Flight(FlightMessage::Position(_)));
+        match from.system == 1 && is_position {
+            true => Vec::new(),
+            false => vec![(from, message)],
+        }
+    }));
+    sky.fly_to(48.0);
+    let stale = count(&sky, "alpha", "ALARM position: no position for");
+    assert_eq!(stale, 1, "{:?}", sky.events);
+    sky.fleet.intervene(sky.now, Intervention::Hold);
+    sky.fly_to(52.0);
+    let status = sky.fleet.status(sky.now);
+    assert_eq!(status[0].mode.as_deref(), Some("BRAKE"), "{status:?}");
+}
+
+#[test]
+fn an_order_of_the_record_that_the_mode_does_not_show_is_given_again() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(40.0);
+    let order = Line::Order {
+        t_s: 39.0,
+        vehicle: "alpha".to_owned(),
+        order: Action::Hold,
+    };
+    take_over(&plan, &mut sky, &[order]);
+    sky.fly_to(60.0);
+    let text = "although it was ordered to hold, which is ordered again";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "alpha", "holds"), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "bravo", "hold"), 0, "{:?}", sky.events);
+}
+
+#[test]
+fn a_plan_that_was_sent_before_the_end_of_the_record_is_known() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(40.0);
+    let mut next = plan.record(&sky).flights[0].plans[0].clone();
+    let held = next.items;
+    next.items += 2;
+    let line = Line::of_plan("alpha", 39.0, &next);
+    take_over(&plan, &mut sky, &[line]);
+    // It takes the new one up later.
+    let until = sky.now + 5000;
+    sky.down = Some(Box::new(move |now, from, mut message| {
+        if let Message::MissionCurrent { total, .. } = &mut message
+            && from.system == 1
+            && now > until
+        {
+            *total += 2;
+        }
+        vec![(from, message)]
+    }));
+    sky.fly_to(60.0);
+    let status = sky.fleet.status(sky.now);
+    assert_eq!(count(&sky, "alpha", "ALARM mission"), 0, "{:?}", sky.events);
+    assert!(held > 0 && !status.is_empty(), "{status:?}");
+}
