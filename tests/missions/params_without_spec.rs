@@ -443,20 +443,23 @@ fn altitudes_above_ground_need_the_terrain_of_the_vehicle() {
 }
 
 /// `Plane::do_change_speed` ignores an airspeed beyond its limits, -2 is that of the parameters
-/// again; TECS keeps the speed within them.
+/// again; TECS keeps the speed within them. On its way out, which is to the north: its return forgets what was commanded.
 #[test]
 fn a_plane_flies_the_airspeeds_that_its_parameters_allow() {
     let mps = |change: &str, params: &str| {
         let row = format!("2\t0\t3\t178\t0\t{change}\t-1\t0\t0\t0\t0\t1\n");
         let mission = RETURN
             .replace("2\t0\t3\t16", &format!("{row}3\t0\t3\t16"))
-            .replace("3\t0\t3\t20", "4\t0\t3\t20");
+            .replace(
+                "3\t0\t3\t20",
+                "4\t0\t3\t16\t0\t0\t0\t0\t46.03\t8.0\t50\t1\n5\t0\t3\t20",
+            );
         let flags = ["--airframe", "plane", "--takeoff-heading", "0"];
         let (code, said, trajectory) = flown_from(&mission, params, &flags);
         assert_eq!(code, Some(0), "{params}: {said}");
         let leg = trajectory
             .iter()
-            .filter(|segment| segment.flown)
+            .filter(|segment| segment.flown && segment.run_m[0] > 0.0)
             .max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
         let leg = leg.expect("a leg");
         leg.length_m() / (leg.to_t_s.expect("a time") - leg.from_t_s)
@@ -474,6 +477,66 @@ fn a_plane_flies_the_airspeeds_that_its_parameters_allow() {
         assert!(
             (flown_mps - expected_mps).abs() < 0.1,
             "{change} {params}: {flown_mps}"
+        );
+    }
+}
+
+/// The return with its way out at 4 m/s.
+fn slow_outward(mission: &str) -> String {
+    let slow = "2\t0\t2\t178\t1\t4\t-1\t0\t0\t0\t0\t1\n";
+    mission
+        .replace("2\t0\t3\t16", &format!("{slow}3\t0\t3\t16"))
+        .replace("3\t0\t3\t20", "4\t0\t3\t20")
+        .replace("3\t0\t2\t20", "4\t0\t2\t20")
+}
+
+/// Greatest speed over the ground of what is flown to the south, m/s.
+fn homeward_mps(trajectory: &[Segment]) -> f64 {
+    let speeds = trajectory
+        .iter()
+        .filter(|segment| segment.flown && segment.run_m[0] < -1.0)
+        .filter_map(|segment| {
+            let lasts_s = segment.to_t_s? - segment.from_t_s;
+            Some(segment.run_m[0].hypot(segment.run_m[1]) / lasts_s)
+        });
+    speeds.fold(0.0, f64::max)
+}
+
+/// `ModeRTL::init` calls `AC_WPNav::wp_and_spline_init` with `RTL_SPEED`, `RtlDirect::on_activation` calls
+/// `reset_cruising_speed`, `Mode::enter` of ArduPlane forgets `new_airspeed_cm`.
+#[test]
+fn a_return_forgets_the_speed_that_the_mission_commanded() {
+    let px4 = ["--autopilot", "px4"];
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    let on_wing = slow_outward(RETURN).replace("178\t1\t4", "178\t0\t18");
+    for (mission, params, flags, expected_mps) in [
+        (slow_outward(RETURN), "", &[][..], 10.0),
+        (slow_outward(RETURN), "WPNAV_SPEED,800\n", &[], 8.0),
+        (slow_outward(RETURN), "WP_SPD,8\n", &[], 8.0),
+        (
+            slow_outward(RETURN),
+            "WPNAV_SPEED,800\nRTL_SPEED,600\n",
+            &[],
+            6.0,
+        ),
+        (
+            slow_outward(&for_px4("46.01")),
+            "1\t1\tMPC_XY_CRUISE\t8\t9\n",
+            &px4,
+            8.0,
+        ),
+        (
+            on_wing,
+            "AIRSPEED_CRUISE,14\nAIRSPEED_MAX,22\n",
+            &plane,
+            14.0 * 1.027,
+        ),
+    ] {
+        let (_, said, trajectory) = flown_from(&mission, params, flags);
+        let flown_mps = homeward_mps(&trajectory);
+        assert!(
+            (flown_mps - expected_mps).abs() < 0.3,
+            "{params} {flags:?}: {flown_mps}, {said}"
         );
     }
 }
