@@ -540,3 +540,27 @@ fn a_return_forgets_the_speed_that_the_mission_commanded() {
         );
     }
 }
+
+/// Mission Planner writes a byte order mark, MAVProxy and AP_Periph defaults annotate values, old files end lines with
+/// carriage returns alone.
+#[test]
+fn a_parameter_file_is_read_as_ground_stations_write_it() {
+    let ceiling = ["--max-amsl", "600"];
+    for params in [
+        "\u{feff}RTL_ALT,30000\n",
+        "RTL_ALT,30000 # as high as the ridge\n",
+        "RTL_ALT 30000# as high as the ridge\n",
+        "RTL_ALT,30000 @READONLY\n",
+        "WPNAV_SPEED,500\rRTL_ALT,30000\r",
+        "\u{feff}# a comment\r\nRTL_ALT,30000\r\n",
+    ] {
+        let (code, said) = review(params, &ceiling);
+        assert_eq!(code, Some(4), "{params:?}: {said}");
+        assert!(said.contains("800.0 m"), "{params:?}: {said}");
+        assert!(!said.contains("RTL_ALT 1500"), "{params:?}: {said}");
+    }
+    for params in ["RTL_ALT,30000 RTL_SPEED\n", "# 1\rRTL_ALT;30000\r"] {
+        let (code, said) = review(params, &ceiling);
+        assert_eq!(code, Some(3), "{params:?}: {said}");
+    }
+}
