@@ -236,6 +236,7 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p(PX4_LEAN, 45.0, Deg),
     p("MPC_LAND_SPEED", 0.7, Mps),
     p("MPC_LAND_ALT2", 5.0, M),
+    p("MPC_LAND_ALT1", 10.0, M),
     p("NAV_ACC_RAD", 10.0, M),
     // A waypoint is reached only within this of its altitude.
     p("NAV_MC_ALT_RAD", 0.8, M),
@@ -400,6 +401,57 @@ pub(super) const COPTER_RETURNS: &[(&str, f64)] = &[("RTL_ALT_TYPE", 0.0)];
 pub(super) const PLANE_RETURNS: &[(&str, f64)] = &[
     ("RTL_AUTOLAND", 0.0),
     ("RTL_CLIMB_MIN", 0.0),
+/// Parameters of a landing on rotors.
+#[derive(Clone, Copy, Debug)]
+pub struct LandingParameters {
+    /// Its speed down to the slow end, above 0 instead of that of other descents.
+    pub fast: Option<&'static str>,
+    /// What none of its speeds exceeds.
+    pub most: Option<&'static str>,
+    /// Speed of the slow end.
+    pub slow: &'static str,
+    /// Whether it is at least as fast before the slow end.
+    pub slow_is_least: bool,
+    /// Height of the slow end.
+    pub slow_below: &'static str,
+    /// Another height that the slow end has at least.
+    pub slow_below_too: Option<&'static str>,
+    /// The least height of the slow end, metres.
+    pub least_m: f64,
+}
+
+/// `Mode::land_run_vertical_control`.
+pub(super) const ARDUCOPTER_LANDING: LandingParameters = LandingParameters {
+    fast: Some("LAND_SPEED_HIGH"),
+    most: None,
+    slow: "LAND_SPEED",
+    slow_is_least: true,
+    slow_below: "LAND_ALT_LOW",
+    slow_below_too: None,
+    least_m: 1.0,
+};
+/// `QuadPlane::landing_descent_rate_ms`, whose speed changes over the 6 m above that.
+pub(super) const QUADPLANE_LANDING: LandingParameters = LandingParameters {
+    fast: None,
+    most: None,
+    slow: "Q_LAND_FINAL_SPD",
+    slow_is_least: false,
+    slow_below: "Q_LAND_FINAL_ALT",
+    slow_below_too: None,
+    least_m: 0.0,
+};
+/// `FlightTaskAuto::_prepareLandSetpoints`, whose speed changes from `MPC_LAND_ALT1` to `MPC_LAND_ALT2`: slow from the
+/// first on, it is not late.
+pub(super) const PX4_LANDING: LandingParameters = LandingParameters {
+    fast: None,
+    most: Some("MPC_Z_VEL_MAX_DN"),
+    slow: "MPC_LAND_SPEED",
+    slow_is_least: false,
+    slow_below: "MPC_LAND_ALT1",
+    slow_below_too: Some("MPC_LAND_ALT2"),
+    least_m: 0.0,
+};
+
     ("Q_RTL_MODE", 0.0),
     ("TERRAIN_FOLLOW", 0.0),
 ];

@@ -564,3 +564,66 @@ fn a_parameter_file_is_read_as_ground_stations_write_it() {
         assert_eq!(code, Some(3), "{params:?}: {said}");
     }
 }
+
+/// `Mode::land_run_vertical_control`, `FlightTaskAuto::_prepareLandSetpoints`.
+#[test]
+fn a_landing_is_as_fast_as_the_parameters_next_to_the_mission_say() {
+    let end_s = |mission: &str, params: &str, flags: &[&str]| {
+        let (_, said, trajectory) = flown_from(mission, params, flags);
+        let last = trajectory.last().unwrap_or_else(|| panic!("{said}"));
+        last.to_t_s.expect("a landing")
+    };
+    let land = RETURN.replace(
+        "3\t0\t3\t20\t0\t0\t0\t0\t0\t0",
+        "3\t0\t3\t21\t0\t0\t0\t0\t46.01\t8.0",
+    );
+    let px4 = ["--autopilot", "px4"];
+    let of_px4 = land.replace(
+        "1\t0\t3\t22\t0\t0\t0\t0\t0\t0",
+        "1\t0\t3\t22\t0\t0\t0\t0\t46.0\t8.0",
+    );
+    // From 50 m: 40 m at 1.5 m/s, 10 m at 0.5 m/s (PX4 0.7 m/s).
+    for (mission, flags, params, later_s) in [
+        (&land, &[][..], "LAND_SPEED,25\n", 20.0),
+        (&land, &[], "LAND_SPD_MS,0.25\n", 20.0),
+        (&land, &[], "LAND_ALT_LOW,2000\n", 20.0 - 10.0 / 1.5),
+        (&land, &[], "LAND_ALT_LOW_M,20\n", 20.0 - 10.0 / 1.5),
+        // Never less than a metre.
+        (&land, &[], "LAND_ALT_LOW,0\n", 9.0 / 1.5 - 18.0),
+        (&land, &[], "LAND_SPEED_HIGH,100\n", 40.0 - 40.0 / 1.5),
+        (&land, &[], "LAND_SPD_HIGH_MS,3\n", 40.0 / 3.0 - 40.0 / 1.5),
+        (
+            &land,
+            &[],
+            "LAND_SPEED,200\n",
+            50.0 / 2.0 - 20.0 - 40.0 / 1.5,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_LAND_SPEED\t0.35\t9\n",
+            10.0 / 0.35 - 10.0 / 0.7,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_LAND_ALT1\t20\t9\n",
+            10.0 / 0.7 - 10.0 / 1.5,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_LAND_ALT2\t20\t9\n",
+            10.0 / 0.7 - 10.0 / 1.5,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_Z_VEL_MAX_DN\t0.5\t9\n",
+            50.0 / 0.5 - 40.0 / 1.5 - 10.0 / 0.7,
+        ),
+    ] {
+        let late_s = end_s(mission, params, flags) - end_s(mission, "", flags);
+        assert!((late_s - later_s).abs() < 0.01, "{params}: {late_s}");
+    }
+}

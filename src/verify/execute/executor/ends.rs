@@ -1,7 +1,7 @@
 //! How a flight ends: landed, at home again, or in the air for ever.
 
 use super::{Pilot, SAME_PLACE_M};
-use crate::autopilot::{Autopilot, Motion, SLOW_LANDING_M, command_row};
+use crate::autopilot::{Autopilot, Motion, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, ParamFence, VehicleMission, command, cruise_speed_mps};
 use crate::path::heading_rad;
@@ -315,6 +315,19 @@ impl Pilot<'_> {
         Ok(())
     }
 
+    /// Counts how late or early it lands where the slow end begins at its height above home and not above ground, metres
+    /// above the sea: that depends on a rangefinder or terrain data on board (`Mode::get_alt_above_ground_m`,
+    /// `FlightTask::_evaluateDistanceToGround`).
+    fn count_from_home(&mut self, (slow_m, ground_m): (f64, f64)) {
+        let (descent, top_m) = (self.descent, self.last().amsl_m);
+        let within = |amsl_m: f64| amsl_m.min(top_m).max(ground_m);
+        let from_home_m = within(self.home.amsl.0 + descent.slow_below_m);
+        let late_s =
+            (from_home_m - within(slow_m)) * (1.0 / descent.slow_mps - 1.0 / descent.fast_mps);
+        self.trajectory.late_s += late_s.max(0.0);
+        self.trajectory.early_s += (-late_s).max(0.0);
+    }
+
     /// Descends to the ground.
     fn touch_down(&mut self, row: usize) -> Result<(), Unknown> {
         let at = self.last().at;
@@ -325,18 +338,13 @@ impl Pilot<'_> {
                 .trajectory
                 .ground_m(row, self.world.frame.from_plan(at))?,
         };
-        let slow_mps = self.vehicle.facts().behaviour.slow_landing_mps;
-        let descent_mps = self.vehicle.descent_mps;
-        let slow_m = ground_m + SLOW_LANDING_M;
+        let descent = self.descent;
+        let slow_m = ground_m + descent.slow_below_m;
+        self.count_from_home((slow_m, ground_m));
         if self.last().amsl_m > slow_m {
-            self.lift(row, slow_m, descent_mps, Some(Column::Ground));
+            self.lift(row, slow_m, descent.fast_mps, Some(Column::Ground));
         }
-        self.lift(
-            row,
-            ground_m,
-            descent_mps.min(slow_mps),
-            Some(Column::Ground),
-        );
+        self.lift(row, ground_m, descent.slow_mps, Some(Column::Ground));
         self.ended = true;
         self.flight.end = Some(End::Landed(at));
         Ok(())
