@@ -3,6 +3,7 @@
 //! Names and defaults as in ArduCopter and ArduPlane 4.6 and PX4 1.16 to 1.18. A parameter that a
 //! version renamed has a row for each name.
 
+use super::command;
 use super::version::{Version, VersionRange, version};
 
 /// Unit of the number that an autopilot stores.
@@ -235,8 +236,8 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("MPC_TKO_SPEED", 1.5, Mps),
     p(PX4_LEAN, 45.0, Deg),
     p("MPC_LAND_SPEED", 0.7, Mps),
-    p("MPC_LAND_ALT2", 5.0, M),
     p("MPC_LAND_ALT1", 10.0, M),
+    p("MPC_LAND_ALT2", 5.0, M),
     p("NAV_ACC_RAD", 10.0, M),
     // A waypoint is reached only within this of its altitude.
     p("NAV_MC_ALT_RAD", 0.8, M),
@@ -360,6 +361,8 @@ pub fn name_in(name: &'static str, version: Option<Version>) -> &'static str {
 pub struct ParamFence {
     /// Parameters that switch it on, each by itself; empty: it is on.
     pub switches: &'static [&'static str],
+    /// The command of a mission that switches it on, and its `param1` then.
+    pub command: Option<(u16, f32)>,
     /// The parameter of what it does; 0: nothing.
     pub action: &'static str,
     /// The parameter with a bit for each kind, and its default.
@@ -375,6 +378,8 @@ pub struct ParamFence {
 /// `AC_Fence`.
 pub(super) const ARDUCOPTER_FENCE: ParamFence = ParamFence {
     switches: &["FENCE_ENABLE", "FENCE_AUTOENABLE"],
+    // `AP_Mission::start_command_fence`.
+    command: Some((command::DO_FENCE_ENABLE, 1.0)),
     action: "FENCE_ACTION",
     kinds: Some(("FENCE_TYPE", 7)),
     ceiling: (1, "FENCE_ALT_MAX"),
@@ -388,6 +393,7 @@ pub(super) const ARDUPLANE_FENCE: ParamFence = ParamFence {
 /// `Geofence::isCloserThanMaxDistToHome`, `Geofence::isBelowMaxAltitude`.
 pub(super) const PX4_FENCE: ParamFence = ParamFence {
     switches: &[],
+    command: None,
     action: "GF_ACTION",
     kinds: None,
     ceiling: (1, "GF_MAX_VER_DIST"),
@@ -395,12 +401,6 @@ pub(super) const PX4_FENCE: ParamFence = ParamFence {
     floor: None,
 };
 
-/// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that
-/// do not: where a mission comes with another value, its return is not known.
-pub(super) const COPTER_RETURNS: &[(&str, f64)] = &[("RTL_ALT_TYPE", 0.0)];
-pub(super) const PLANE_RETURNS: &[(&str, f64)] = &[
-    ("RTL_AUTOLAND", 0.0),
-    ("RTL_CLIMB_MIN", 0.0),
 /// Parameters of a landing on rotors.
 #[derive(Clone, Copy, Debug)]
 pub struct LandingParameters {
@@ -452,6 +452,12 @@ pub(super) const PX4_LANDING: LandingParameters = LandingParameters {
     least_m: 0.0,
 };
 
+/// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that
+/// do not: where a mission comes with another value, its return is not known.
+pub(super) const COPTER_RETURNS: &[(&str, f64)] = &[("RTL_ALT_TYPE", 0.0)];
+pub(super) const PLANE_RETURNS: &[(&str, f64)] = &[
+    ("RTL_AUTOLAND", 0.0),
+    ("RTL_CLIMB_MIN", 0.0),
     ("Q_RTL_MODE", 0.0),
     ("TERRAIN_FOLLOW", 0.0),
 ];

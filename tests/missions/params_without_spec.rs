@@ -627,3 +627,25 @@ fn a_landing_is_as_fast_as_the_parameters_next_to_the_mission_say() {
         assert!((late_s - later_s).abs() < 0.01, "{params}: {late_s}");
     }
 }
+
+/// `AP_Mission::start_command_fence`: 1 enables what `FENCE_TYPE` has, 0 and 2 enable nothing.
+#[test]
+fn a_mission_that_switches_the_fence_of_its_parameters_on_is_judged_by_it() {
+    let with = |switch: u8| {
+        let row = format!("2\t0\t2\t207\t{switch}\t0\t0\t0\t0\t0\t0\t1\n");
+        let landing = "4\t0\t3\t21\t0\t0\t0\t0\t46.01\t8.0";
+        RETURN
+            .replace("2\t0\t3\t16", &format!("{row}3\t0\t3\t16"))
+            .replace("3\t0\t3\t20\t0\t0\t0\t0\t0\t0", landing)
+    };
+    for (switch, params, passes) in [
+        (1, "FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n", false),
+        (1, "FENCE_ENABLE,0\nFENCE_TYPE,1\nFENCE_ALT_MAX,60\n", true),
+        (0, "FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n", true),
+        (2, "FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n", true),
+    ] {
+        let (code, said, _) = flown_from(&with(switch), params, &[]);
+        assert_eq!(code == Some(0), passes, "{switch} {params}: {said}");
+        assert!(passes || said.contains("fence of the parameters"), "{said}");
+    }
+}
