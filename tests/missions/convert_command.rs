@@ -361,3 +361,56 @@ fn other_readers_find_the_mission_in_the_maps() {
         }
     }
 }
+
+fn placemark(name: &str, corners: &str) -> String {
+    format!(
+        "<Placemark><name>{name}</name><Polygon><outerBoundaryIs><LinearRing><coordinates>{corners}</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>"
+    )
+}
+
+#[test]
+fn folders_nested_too_deep_in_kml_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let zone = placemark("a", "7,47 7.01,47 7,47.01 7,47");
+    for (depth, code) in [(20, Some(0)), (1500, Some(3)), (200_000, Some(3))] {
+        let (open, close) = ("<Folder>".repeat(depth), "</Folder>".repeat(depth));
+        let nesting = format!("<kml><Document>{open}{zone}{close}</Document></kml>");
+        let nested = folder.path().join("nested.kml");
+        fs::write(&nested, nesting).expect("written");
+        let to = folder.path().join("o.geojson");
+        let files = [&nested, &to].map(|path| path.display().to_string());
+        let output = sortie(Path::new("."), &["convert", &files[0], &files[1]]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), code, "{depth}: {said}");
+        assert!(code == Some(0) || said.contains("nested"), "{said}");
+    }
+}
+
+#[test]
+fn zones_that_are_lost_in_a_conversion_are_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let whole = placemark("whole", "7,47 7.01,47 7,47.01 7,47");
+    let broken = placemark("broken", "7,47 7.01,47");
+    for (zones, code, count) in [
+        (whole.clone(), Some(0), 1),
+        (whole + &broken, Some(3), 1),
+        (broken, Some(3), 0),
+    ] {
+        let from = folder.path().join("z.kml");
+        fs::write(&from, format!("<kml><Document>{zones}</Document></kml>")).expect("written");
+        let to = folder.path().join("z.geojson");
+        let files = [&from, &to].map(|path| path.display().to_string());
+        for flags in [&[][..], &["--json"]] {
+            let arguments = [&["convert", &files[0], &files[1]], flags].concat();
+            let output = sortie(Path::new("."), &arguments);
+            let said = text(&output.stderr);
+            assert_eq!(output.status.code(), code, "{said}");
+            assert!(
+                code == Some(0) || said.contains("1 shape is not in"),
+                "{said}"
+            );
+        }
+        let written = fs::read_to_string(&to).expect("written");
+        assert_eq!(written.matches("Polygon").count(), count, "{written}");
+    }
+}
