@@ -362,6 +362,47 @@ fn other_readers_find_the_mission_in_the_maps() {
     }
 }
 
+/// `ModeAuto::loc_from_cmd`: the review flies it at the altitude before it.
+#[test]
+fn an_arducopter_waypoint_of_altitude_zero_is_drawn_at_the_altitude_before_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mission = waypoints(
+        folder.path(),
+        "m.waypoints",
+        &[
+            "0 1 0 16 0 0 0 0 47.0 7.45 400 1",
+            "1 0 3 22 0 0 0 0 47.0 7.45 60 1",
+            "2 0 3 16 0 0 0 0 47.005 7.45 80 1",
+            "3 0 3 16 0 0 0 0 47.01 7.45 0 1",
+            "4 0 3 82 0 0 0 0 47.02 7.45 0 1",
+            "5 0 3 21 0 0 0 0 47.02 7.45 0 1",
+        ],
+    );
+    let drawn = |flags: &[&str]| {
+        let map = folder.path().join("m.geojson");
+        convert(&mission, &map, flags).expect("converted");
+        let text = fs::read_to_string(map).expect("written");
+        let map: Value = serde_json::from_str(&text).expect("JSON");
+        let features = map["features"].as_array().expect("features");
+        let items = features
+            .iter()
+            .map(|feature| &feature["properties"])
+            .filter(|properties| properties["kind"] == "item");
+        items
+            .map(|properties| properties["amsl_m"].as_f64())
+            .collect::<Vec<_>>()
+    };
+    let home = Some(400.0);
+    assert_eq!(
+        drawn(&["--autopilot", "ardupilot"]),
+        [Some(460.0), Some(480.0), Some(480.0), Some(480.0), home]
+    );
+    assert_eq!(
+        drawn(&["--autopilot", "px4"]),
+        [Some(460.0), Some(480.0), home, home, home]
+    );
+}
+
 fn placemark(name: &str, corners: &str) -> String {
     format!(
         "<Placemark><name>{name}</name><Polygon><outerBoundaryIs><LinearRing><coordinates>{corners}</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>"
