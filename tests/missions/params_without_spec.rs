@@ -649,3 +649,17 @@ fn a_mission_that_switches_the_fence_of_its_parameters_on_is_judged_by_it() {
         assert!(passes || said.contains("fence of the parameters"), "{said}");
     }
 }
+
+/// `Navigator::get_default_acceptance_radius`.
+#[test]
+fn a_px4_copter_that_accepts_waypoints_from_afar_by_its_parameters_is_not_passed() {
+    let px4 = ["--autopilot", "px4"];
+    for (params, passes) in [
+        ("1\t1\tNAV_ACC_RAD\t10\t9\n", true),
+        ("1\t1\tNAV_ACC_RAD\t200\t9\n", false),
+    ] {
+        let (code, said, _) = flown_from(&for_px4("46.01"), params, &px4);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+        assert!(passes || said.contains("acceptance radius"), "{said}");
+    }
+}
