@@ -663,3 +663,21 @@ fn a_px4_copter_that_accepts_waypoints_from_afar_by_its_parameters_is_not_passed
         assert!(passes || said.contains("acceptance radius"), "{said}");
     }
 }
+
+/// `AP_Landing::type`.
+#[test]
+fn a_plane_that_lands_in_a_deep_stall_is_not_judged() {
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    let land = RETURN.replace(
+        "3\t0\t3\t20\t0\t0\t0\t0\t0\t0",
+        "3\t0\t3\t21\t0\t0\t0\t0\t46.02\t8.0",
+    );
+    for (params, passes) in [("LAND_TYPE,0\n", true), ("LAND_TYPE,1\n", false)] {
+        let (code, said, _) = flown_from(&land, params, &plane);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+        assert!(
+            passes || said.contains("cannot judge from item 3 on: a landing with LAND_TYPE 1"),
+            "{said}"
+        );
+    }
+}
