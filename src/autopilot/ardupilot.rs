@@ -303,6 +303,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     },
     parameters: &[parameters::ARDUCOPTER],
     param_fence: parameters::ARDUCOPTER_FENCE,
+    landing: Some(parameters::ARDUCOPTER_LANDING),
     returns_with: parameters::COPTER_RETURNS,
     defaults: Defaults {
         cruise_parameter: "WPNAV_SPEED",
@@ -349,6 +350,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     },
     parameters: &[parameters::ARDUPLANE],
     param_fence: parameters::ARDUPLANE_FENCE,
+    landing: None,
     returns_with: parameters::PLANE_RETURNS,
     // TECS_CLMB_MAX, TECS_SINK_MAX; no parameter has the acceleration of a takeoff run.
     defaults: Defaults {
@@ -398,6 +400,7 @@ pub(super) static QUADPLANE: Facts = Facts {
     },
     parameters: &[parameters::ARDUPLANE, parameters::QUADPLANE],
     param_fence: parameters::ARDUPLANE_FENCE,
+    landing: Some(parameters::QUADPLANE_LANDING),
     returns_with: parameters::PLANE_RETURNS,
     // Climb and descent on rotors are slower than on the wing.
     defaults: Defaults {

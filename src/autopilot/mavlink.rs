@@ -56,6 +56,8 @@ pub mod command {
     pub const DO_PAUSE_CONTINUE: u16 = 193;
     /// Drive backwards.
     pub const DO_SET_REVERSE: u16 = 194;
+    /// Switch the fence on or off.
+    pub const DO_FENCE_ENABLE: u16 = 207;
     /// Fly upside down.
     pub const DO_INVERTED_FLIGHT: u16 = 210;
     /// Turn by an angle, and fly at a speed.

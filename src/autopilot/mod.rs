@@ -41,8 +41,8 @@ pub use corner::{CornerLaw, Cornering, Skips, Stops, Turn};
 pub use mavlink::{command, frame};
 pub use modes::{Mode, Modes, mode_name};
 pub use parameters::{
-    COPTER_LEAN, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit, in_unit_of, name_in,
-    other_name, parameter,
+    COPTER_LEAN, LandingParameters, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit,
+    in_unit_of, name_in, other_name, parameter,
 };
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};
@@ -183,6 +183,8 @@ pub struct Facts {
     pub parameters: &'static [&'static [ParameterRow]],
     /// The fence of its parameters.
     pub param_fence: ParamFence,
+    /// The parameters of a landing on rotors, if it has any.
+    pub landing: Option<LandingParameters>,
     /// Parameters that lead a return elsewhere than the verdict flies it, with the value of those
     /// that do not.
     pub returns_with: &'static [(&'static str, f64)],

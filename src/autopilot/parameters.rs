@@ -3,6 +3,7 @@
 //! Names and defaults as in ArduCopter and ArduPlane 4.6 and PX4 1.16 to 1.18. A parameter that a
 //! version renamed has a row for each name.
 
+use super::command;
 use super::version::{Version, VersionRange, version};
 
 /// Unit of the number that an autopilot stores.
@@ -235,6 +236,7 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("MPC_TKO_SPEED", 1.5, Mps),
     p(PX4_LEAN, 45.0, Deg),
     p("MPC_LAND_SPEED", 0.7, Mps),
+    p("MPC_LAND_ALT1", 10.0, M),
     p("MPC_LAND_ALT2", 5.0, M),
     p("NAV_ACC_RAD", 10.0, M),
     // A waypoint is reached only within this of its altitude.
@@ -359,6 +361,8 @@ pub fn name_in(name: &'static str, version: Option<Version>) -> &'static str {
 pub struct ParamFence {
     /// Parameters that switch it on, each by itself; empty: it is on.
     pub switches: &'static [&'static str],
+    /// The command of a mission that switches it on, and its `param1` then.
+    pub command: Option<(u16, f32)>,
     /// The parameter of what it does; 0: nothing.
     pub action: &'static str,
     /// The parameter with a bit for each kind, and its default.
@@ -374,6 +378,8 @@ pub struct ParamFence {
 /// `AC_Fence`.
 pub(super) const ARDUCOPTER_FENCE: ParamFence = ParamFence {
     switches: &["FENCE_ENABLE", "FENCE_AUTOENABLE"],
+    // `AP_Mission::start_command_fence`.
+    command: Some((command::DO_FENCE_ENABLE, 1.0)),
     action: "FENCE_ACTION",
     kinds: Some(("FENCE_TYPE", 7)),
     ceiling: (1, "FENCE_ALT_MAX"),
@@ -387,11 +393,63 @@ pub(super) const ARDUPLANE_FENCE: ParamFence = ParamFence {
 /// `Geofence::isCloserThanMaxDistToHome`, `Geofence::isBelowMaxAltitude`.
 pub(super) const PX4_FENCE: ParamFence = ParamFence {
     switches: &[],
+    command: None,
     action: "GF_ACTION",
     kinds: None,
     ceiling: (1, "GF_MAX_VER_DIST"),
     circle: (2, "GF_MAX_HOR_DIST"),
     floor: None,
+};
+
+/// Parameters of a landing on rotors.
+#[derive(Clone, Copy, Debug)]
+pub struct LandingParameters {
+    /// Its speed down to the slow end, above 0 instead of that of other descents.
+    pub fast: Option<&'static str>,
+    /// What none of its speeds exceeds.
+    pub most: Option<&'static str>,
+    /// Speed of the slow end.
+    pub slow: &'static str,
+    /// Whether it is at least as fast before the slow end.
+    pub slow_is_least: bool,
+    /// Height of the slow end.
+    pub slow_below: &'static str,
+    /// Another height that the slow end has at least.
+    pub slow_below_too: Option<&'static str>,
+    /// The least height of the slow end, metres.
+    pub least_m: f64,
+}
+
+/// `Mode::land_run_vertical_control`.
+pub(super) const ARDUCOPTER_LANDING: LandingParameters = LandingParameters {
+    fast: Some("LAND_SPEED_HIGH"),
+    most: None,
+    slow: "LAND_SPEED",
+    slow_is_least: true,
+    slow_below: "LAND_ALT_LOW",
+    slow_below_too: None,
+    least_m: 1.0,
+};
+/// `QuadPlane::landing_descent_rate_ms`, whose speed changes over the 6 m above that.
+pub(super) const QUADPLANE_LANDING: LandingParameters = LandingParameters {
+    fast: None,
+    most: None,
+    slow: "Q_LAND_FINAL_SPD",
+    slow_is_least: false,
+    slow_below: "Q_LAND_FINAL_ALT",
+    slow_below_too: None,
+    least_m: 0.0,
+};
+/// `FlightTaskAuto::_prepareLandSetpoints`, whose speed changes from `MPC_LAND_ALT1` to `MPC_LAND_ALT2`: slow from the
+/// first on, it is not late.
+pub(super) const PX4_LANDING: LandingParameters = LandingParameters {
+    fast: None,
+    most: Some("MPC_Z_VEL_MAX_DN"),
+    slow: "MPC_LAND_SPEED",
+    slow_is_least: false,
+    slow_below: "MPC_LAND_ALT1",
+    slow_below_too: Some("MPC_LAND_ALT2"),
+    least_m: 0.0,
 };
 
 /// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that

@@ -158,6 +158,7 @@ pub(super) static COPTER: Facts = Facts {
     modes: MODES,
     parameters: &[parameters::PX4_ROTORS],
     param_fence: parameters::PX4_FENCE,
+    landing: Some(parameters::PX4_LANDING),
     returns_with: parameters::PX4_RETURNS,
     defaults: Defaults {
         cruise_parameter: "MPC_XY_CRUISE",

@@ -53,13 +53,15 @@ pub enum ParamsError {
     Ambiguous(String, String),
 }
 
-/// Reads either form; the comment before a parameter becomes [`Parameter::why`]. Of a name that
-/// stands there twice the last value counts, as for a vehicle that is given all of them.
+/// Reads either form; the comment before a parameter becomes [`Parameter::why`]. A byte order mark, comments and
+/// annotations (`@READONLY`) at the end of lines are left out, and lines may end with carriage returns alone. Of a name
+/// that stands there twice the last value counts, as for a vehicle that is given all of them.
 ///
 /// # Errors
 /// The first line of neither form; two names of one parameter that differ.
 pub fn read(text: &str) -> Result<Vec<Parameter>, ParamsError> {
-    let params = lines(text)?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let params = lines(&text.replace("\r\n", "\n").replace('\r', "\n"))?;
     for param in &params {
         let Some(other) = autopilot::other_name(&param.name) else {
             continue;
@@ -93,8 +95,12 @@ fn lines(text: &str) -> Result<Vec<Parameter>, ParamsError> {
             continue;
         }
         let fields: Vec<&str> = line
+            .split('#')
+            .next()
+            .unwrap_or_default()
             .split(['\t', ',', ' '])
-            .filter(|f| !f.is_empty())
+            .filter(|field| !field.is_empty())
+            .take_while(|field| !field.starts_with('@'))
             .collect();
         let found = match fields[..] {
             [name, value] | [_, _, name, value, _] => value

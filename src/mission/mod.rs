@@ -5,6 +5,7 @@
 
 mod accept;
 mod build;
+mod descent;
 mod item;
 mod params;
 
@@ -16,6 +17,7 @@ pub use build::encode::home_at;
 pub use build::fence::{FENCE_REACH_S, fence_needs, fence_pieces};
 pub use build::wing::landing_course_note;
 pub use build::{MissionError, build, build_course};
+pub use descent::Descent;
 pub(crate) use item::value_si_of;
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use params::{

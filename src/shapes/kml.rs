@@ -1,6 +1,7 @@
 //! KML (OGC 2.2) and KMZ. A polygon that is extruded reaches from the ground to its corners, any
 //! other is without heights.
 
+mod nesting;
 mod placemarks;
 
 use std::io::{Cursor, Read};
@@ -11,11 +12,17 @@ use ::kml::{Kml, KmlReader};
 use super::{Collection, Geometry, Height, Refused, Shape, ShapesError, malformed, place, ring};
 use crate::geodesy::LatLon;
 
+/// Deepest nesting of elements: the parser calls itself for each.
+const MAX_DEPTH: usize = 64;
 /// Most bytes of the KML inside a KMZ.
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Shapes of KML text.
 pub(super) fn read(text: &str) -> Result<Collection, ShapesError> {
+    if nesting::is_deeper(text, MAX_DEPTH) {
+        let why = format!("elements are nested more than {MAX_DEPTH} deep");
+        return Err(malformed("KML", why));
+    }
     let parse = |text: &str| KmlReader::<_, f64>::from_string(text).read();
     let mut collection = Collection::default();
     let root = match parse(text) {

@@ -361,3 +361,97 @@ fn other_readers_find_the_mission_in_the_maps() {
         }
     }
 }
+
+/// `ModeAuto::loc_from_cmd`: the review flies it at the altitude before it.
+#[test]
+fn an_arducopter_waypoint_of_altitude_zero_is_drawn_at_the_altitude_before_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mission = waypoints(
+        folder.path(),
+        "m.waypoints",
+        &[
+            "0 1 0 16 0 0 0 0 47.0 7.45 400 1",
+            "1 0 3 22 0 0 0 0 47.0 7.45 60 1",
+            "2 0 3 16 0 0 0 0 47.005 7.45 80 1",
+            "3 0 3 16 0 0 0 0 47.01 7.45 0 1",
+            "4 0 3 82 0 0 0 0 47.02 7.45 0 1",
+            "5 0 3 21 0 0 0 0 47.02 7.45 0 1",
+        ],
+    );
+    let drawn = |flags: &[&str]| {
+        let map = folder.path().join("m.geojson");
+        convert(&mission, &map, flags).expect("converted");
+        let text = fs::read_to_string(map).expect("written");
+        let map: Value = serde_json::from_str(&text).expect("JSON");
+        let features = map["features"].as_array().expect("features");
+        let items = features
+            .iter()
+            .map(|feature| &feature["properties"])
+            .filter(|properties| properties["kind"] == "item");
+        items
+            .map(|properties| properties["amsl_m"].as_f64())
+            .collect::<Vec<_>>()
+    };
+    let home = Some(400.0);
+    assert_eq!(
+        drawn(&["--autopilot", "ardupilot"]),
+        [Some(460.0), Some(480.0), Some(480.0), Some(480.0), home]
+    );
+    assert_eq!(
+        drawn(&["--autopilot", "px4"]),
+        [Some(460.0), Some(480.0), home, home, home]
+    );
+}
+
+fn placemark(name: &str, corners: &str) -> String {
+    format!(
+        "<Placemark><name>{name}</name><Polygon><outerBoundaryIs><LinearRing><coordinates>{corners}</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>"
+    )
+}
+
+#[test]
+fn folders_nested_too_deep_in_kml_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let zone = placemark("a", "7,47 7.01,47 7,47.01 7,47");
+    for (depth, code) in [(20, Some(0)), (1500, Some(3)), (200_000, Some(3))] {
+        let (open, close) = ("<Folder>".repeat(depth), "</Folder>".repeat(depth));
+        let nesting = format!("<kml><Document>{open}{zone}{close}</Document></kml>");
+        let nested = folder.path().join("nested.kml");
+        fs::write(&nested, nesting).expect("written");
+        let to = folder.path().join("o.geojson");
+        let files = [&nested, &to].map(|path| path.display().to_string());
+        let output = sortie(Path::new("."), &["convert", &files[0], &files[1]]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), code, "{depth}: {said}");
+        assert!(code == Some(0) || said.contains("nested"), "{said}");
+    }
+}
+
+#[test]
+fn zones_that_are_lost_in_a_conversion_are_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let whole = placemark("whole", "7,47 7.01,47 7,47.01 7,47");
+    let broken = placemark("broken", "7,47 7.01,47");
+    for (zones, code, count) in [
+        (whole.clone(), Some(0), 1),
+        (whole + &broken, Some(3), 1),
+        (broken, Some(3), 0),
+    ] {
+        let from = folder.path().join("z.kml");
+        fs::write(&from, format!("<kml><Document>{zones}</Document></kml>")).expect("written");
+        let to = folder.path().join("z.geojson");
+        let files = [&from, &to].map(|path| path.display().to_string());
+        for flags in [&[][..], &["--json"]] {
+            let arguments = [&["convert", &files[0], &files[1]], flags].concat();
+            let output = sortie(Path::new("."), &arguments);
+            let said = text(&output.stderr);
+            assert_eq!(output.status.code(), code, "{said}");
+            assert!(
+                code == Some(0) || said.contains("1 shape is not in"),
+                "{said}"
+            );
+        }
+        let written = fs::read_to_string(&to).expect("written");
+        assert_eq!(written.matches("Polygon").count(), count, "{written}");
+    }
+}

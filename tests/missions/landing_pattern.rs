@@ -74,6 +74,14 @@ fn a_landing_pattern_that_the_ground_station_would_not_read_is_refused() {
                 .replace("[47.42,8.56,0]", "[47.42,8.56]"),
             "landCoordinate: [47.42,8.56]",
         ),
+        (
+            pattern(
+                "fwLandingPattern",
+                2,
+                r#","useLoiterToAlt":false,"useDoChangeSpeed":true"#,
+            ),
+            "finalApproachSpeed: null",
+        ),
     ] {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("m.plan"), plan(&wrong, (1, 22))).expect("written");
@@ -82,5 +90,45 @@ fn a_landing_pattern_that_the_ground_station_would_not_read_is_refused() {
         assert_eq!(output.status.code(), Some(3), "{said}");
         let place = format!("mission.items[2].{at}");
         assert!(said.contains(&place), "{place}: {said}");
+    }
+}
+
+/// `LandingComplexItem::appendMissionItems` of `QGroundControl` 5 hands the speed over as a whole number.
+#[test]
+fn the_approach_speed_of_a_landing_pattern_is_commanded_before_its_approach() {
+    let speed = r#","useLoiterToAlt":false,"loiterClockwise":true,"stopVideoPhotos":true,"useDoChangeSpeed":true,"finalApproachSpeed":14.7"#;
+    for (kind, version, vehicle, landing) in [
+        ("fwLandingPattern", 2, (1, 22), 21),
+        ("vtolLandingPattern", 1, (20, 84), 85),
+    ] {
+        let found = rows(&plan(&pattern(kind, version, speed), vehicle));
+        let expected = [
+            "2 189 0 0 0 0 0 0 0".to_owned(),
+            "2 178 0 14 -1 0 0 0 0".to_owned(),
+            "2 2501 0 0 0 0 0 0 0".to_owned(),
+            "3 16 0 0 0 0 47.4200000 8.5500000 40".to_owned(),
+            format!("3 {landing} 0 0 0 0 47.4200000 8.5600000 0"),
+        ];
+        assert_eq!(found[2..], expected);
+        let not = speed.replace("Speed\":true", "Speed\":false");
+        assert_eq!(rows(&plan(&pattern(kind, version, &not), vehicle)).len(), 6);
+    }
+}
+
+#[test]
+fn a_complex_item_that_holds_no_flown_items_is_refused() {
+    for (items, found) in [("null", "\"survey\""), ("[]", "[]")] {
+        let survey = format!(
+            r#"{{"type":"ComplexItem","complexItemType":"survey","version":5,"TransectStyleComplexItem":{{"version":2,"Items":{items}}}}}"#
+        );
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("m.plan"), plan(&survey, (1, 22))).expect("written");
+        let output = sortie(folder.path(), &["convert", "m.plan", "m.waypoints"]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{items}: {said}");
+        assert!(
+            said.contains("mission.items[2].") && said.contains(found),
+            "{items}: {said}"
+        );
     }
 }

@@ -11,6 +11,7 @@ mod formats_corpus;
 mod formats_golden;
 mod formats_maps;
 mod judged;
+mod landing_below_home;
 mod landing_pattern;
 mod long_flight;
 mod mission_accept;

@@ -443,20 +443,23 @@ fn altitudes_above_ground_need_the_terrain_of_the_vehicle() {
 }
 
 /// `Plane::do_change_speed` ignores an airspeed beyond its limits, -2 is that of the parameters
-/// again; TECS keeps the speed within them.
+/// again; TECS keeps the speed within them. On its way out, which is to the north: its return forgets what was commanded.
 #[test]
 fn a_plane_flies_the_airspeeds_that_its_parameters_allow() {
     let mps = |change: &str, params: &str| {
         let row = format!("2\t0\t3\t178\t0\t{change}\t-1\t0\t0\t0\t0\t1\n");
         let mission = RETURN
             .replace("2\t0\t3\t16", &format!("{row}3\t0\t3\t16"))
-            .replace("3\t0\t3\t20", "4\t0\t3\t20");
+            .replace(
+                "3\t0\t3\t20",
+                "4\t0\t3\t16\t0\t0\t0\t0\t46.03\t8.0\t50\t1\n5\t0\t3\t20",
+            );
         let flags = ["--airframe", "plane", "--takeoff-heading", "0"];
         let (code, said, trajectory) = flown_from(&mission, params, &flags);
         assert_eq!(code, Some(0), "{params}: {said}");
         let leg = trajectory
             .iter()
-            .filter(|segment| segment.flown)
+            .filter(|segment| segment.flown && segment.run_m[0] > 0.0)
             .max_by(|a, b| a.length_m().total_cmp(&b.length_m()));
         let leg = leg.expect("a leg");
         leg.length_m() / (leg.to_t_s.expect("a time") - leg.from_t_s)
@@ -474,6 +477,207 @@ fn a_plane_flies_the_airspeeds_that_its_parameters_allow() {
         assert!(
             (flown_mps - expected_mps).abs() < 0.1,
             "{change} {params}: {flown_mps}"
+        );
+    }
+}
+
+/// The return with its way out at 4 m/s.
+fn slow_outward(mission: &str) -> String {
+    let slow = "2\t0\t2\t178\t1\t4\t-1\t0\t0\t0\t0\t1\n";
+    mission
+        .replace("2\t0\t3\t16", &format!("{slow}3\t0\t3\t16"))
+        .replace("3\t0\t3\t20", "4\t0\t3\t20")
+        .replace("3\t0\t2\t20", "4\t0\t2\t20")
+}
+
+/// Greatest speed over the ground of what is flown to the south, m/s.
+fn homeward_mps(trajectory: &[Segment]) -> f64 {
+    let speeds = trajectory
+        .iter()
+        .filter(|segment| segment.flown && segment.run_m[0] < -1.0)
+        .filter_map(|segment| {
+            let lasts_s = segment.to_t_s? - segment.from_t_s;
+            Some(segment.run_m[0].hypot(segment.run_m[1]) / lasts_s)
+        });
+    speeds.fold(0.0, f64::max)
+}
+
+/// `ModeRTL::init` calls `AC_WPNav::wp_and_spline_init` with `RTL_SPEED`, `RtlDirect::on_activation` calls
+/// `reset_cruising_speed`, `Mode::enter` of ArduPlane forgets `new_airspeed_cm`.
+#[test]
+fn a_return_forgets_the_speed_that_the_mission_commanded() {
+    let px4 = ["--autopilot", "px4"];
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    let on_wing = slow_outward(RETURN).replace("178\t1\t4", "178\t0\t18");
+    for (mission, params, flags, expected_mps) in [
+        (slow_outward(RETURN), "", &[][..], 10.0),
+        (slow_outward(RETURN), "WPNAV_SPEED,800\n", &[], 8.0),
+        (slow_outward(RETURN), "WP_SPD,8\n", &[], 8.0),
+        (
+            slow_outward(RETURN),
+            "WPNAV_SPEED,800\nRTL_SPEED,600\n",
+            &[],
+            6.0,
+        ),
+        (
+            slow_outward(&for_px4("46.01")),
+            "1\t1\tMPC_XY_CRUISE\t8\t9\n",
+            &px4,
+            8.0,
+        ),
+        (
+            on_wing,
+            "AIRSPEED_CRUISE,14\nAIRSPEED_MAX,22\n",
+            &plane,
+            14.0 * 1.027,
+        ),
+    ] {
+        let (_, said, trajectory) = flown_from(&mission, params, flags);
+        let flown_mps = homeward_mps(&trajectory);
+        assert!(
+            (flown_mps - expected_mps).abs() < 0.3,
+            "{params} {flags:?}: {flown_mps}, {said}"
+        );
+    }
+}
+
+/// Mission Planner writes a byte order mark, MAVProxy and AP_Periph defaults annotate values, old files end lines with
+/// carriage returns alone.
+#[test]
+fn a_parameter_file_is_read_as_ground_stations_write_it() {
+    let ceiling = ["--max-amsl", "600"];
+    for params in [
+        "\u{feff}RTL_ALT,30000\n",
+        "RTL_ALT,30000 # as high as the ridge\n",
+        "RTL_ALT 30000# as high as the ridge\n",
+        "RTL_ALT,30000 @READONLY\n",
+        "WPNAV_SPEED,500\rRTL_ALT,30000\r",
+        "\u{feff}# a comment\r\nRTL_ALT,30000\r\n",
+    ] {
+        let (code, said) = review(params, &ceiling);
+        assert_eq!(code, Some(4), "{params:?}: {said}");
+        assert!(said.contains("800.0 m"), "{params:?}: {said}");
+        assert!(!said.contains("RTL_ALT 1500"), "{params:?}: {said}");
+    }
+    for params in ["RTL_ALT,30000 RTL_SPEED\n", "# 1\rRTL_ALT;30000\r"] {
+        let (code, said) = review(params, &ceiling);
+        assert_eq!(code, Some(3), "{params:?}: {said}");
+    }
+}
+
+/// `Mode::land_run_vertical_control`, `FlightTaskAuto::_prepareLandSetpoints`.
+#[test]
+fn a_landing_is_as_fast_as_the_parameters_next_to_the_mission_say() {
+    let end_s = |mission: &str, params: &str, flags: &[&str]| {
+        let (_, said, trajectory) = flown_from(mission, params, flags);
+        let last = trajectory.last().unwrap_or_else(|| panic!("{said}"));
+        last.to_t_s.expect("a landing")
+    };
+    let land = RETURN.replace(
+        "3\t0\t3\t20\t0\t0\t0\t0\t0\t0",
+        "3\t0\t3\t21\t0\t0\t0\t0\t46.01\t8.0",
+    );
+    let px4 = ["--autopilot", "px4"];
+    let of_px4 = land.replace(
+        "1\t0\t3\t22\t0\t0\t0\t0\t0\t0",
+        "1\t0\t3\t22\t0\t0\t0\t0\t46.0\t8.0",
+    );
+    // From 50 m: 40 m at 1.5 m/s, 10 m at 0.5 m/s (PX4 0.7 m/s).
+    for (mission, flags, params, later_s) in [
+        (&land, &[][..], "LAND_SPEED,25\n", 20.0),
+        (&land, &[], "LAND_SPD_MS,0.25\n", 20.0),
+        (&land, &[], "LAND_ALT_LOW,2000\n", 20.0 - 10.0 / 1.5),
+        (&land, &[], "LAND_ALT_LOW_M,20\n", 20.0 - 10.0 / 1.5),
+        // Never less than a metre.
+        (&land, &[], "LAND_ALT_LOW,0\n", 9.0 / 1.5 - 18.0),
+        (&land, &[], "LAND_SPEED_HIGH,100\n", 40.0 - 40.0 / 1.5),
+        (&land, &[], "LAND_SPD_HIGH_MS,3\n", 40.0 / 3.0 - 40.0 / 1.5),
+        (
+            &land,
+            &[],
+            "LAND_SPEED,200\n",
+            50.0 / 2.0 - 20.0 - 40.0 / 1.5,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_LAND_SPEED\t0.35\t9\n",
+            10.0 / 0.35 - 10.0 / 0.7,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_LAND_ALT1\t20\t9\n",
+            10.0 / 0.7 - 10.0 / 1.5,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_LAND_ALT2\t20\t9\n",
+            10.0 / 0.7 - 10.0 / 1.5,
+        ),
+        (
+            &of_px4,
+            &px4,
+            "1\t1\tMPC_Z_VEL_MAX_DN\t0.5\t9\n",
+            50.0 / 0.5 - 40.0 / 1.5 - 10.0 / 0.7,
+        ),
+    ] {
+        let late_s = end_s(mission, params, flags) - end_s(mission, "", flags);
+        assert!((late_s - later_s).abs() < 0.01, "{params}: {late_s}");
+    }
+}
+
+/// `AP_Mission::start_command_fence`: 1 enables what `FENCE_TYPE` has, 0 and 2 enable nothing.
+#[test]
+fn a_mission_that_switches_the_fence_of_its_parameters_on_is_judged_by_it() {
+    let with = |switch: u8| {
+        let row = format!("2\t0\t2\t207\t{switch}\t0\t0\t0\t0\t0\t0\t1\n");
+        let landing = "4\t0\t3\t21\t0\t0\t0\t0\t46.01\t8.0";
+        RETURN
+            .replace("2\t0\t3\t16", &format!("{row}3\t0\t3\t16"))
+            .replace("3\t0\t3\t20\t0\t0\t0\t0\t0\t0", landing)
+    };
+    for (switch, params, passes) in [
+        (1, "FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n", false),
+        (1, "FENCE_ENABLE,0\nFENCE_TYPE,1\nFENCE_ALT_MAX,60\n", true),
+        (0, "FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n", true),
+        (2, "FENCE_ENABLE,0\nFENCE_ALT_MAX,40\n", true),
+    ] {
+        let (code, said, _) = flown_from(&with(switch), params, &[]);
+        assert_eq!(code == Some(0), passes, "{switch} {params}: {said}");
+        assert!(passes || said.contains("fence of the parameters"), "{said}");
+    }
+}
+
+/// `Navigator::get_default_acceptance_radius`.
+#[test]
+fn a_px4_copter_that_accepts_waypoints_from_afar_by_its_parameters_is_not_passed() {
+    let px4 = ["--autopilot", "px4"];
+    for (params, passes) in [
+        ("1\t1\tNAV_ACC_RAD\t10\t9\n", true),
+        ("1\t1\tNAV_ACC_RAD\t200\t9\n", false),
+    ] {
+        let (code, said, _) = flown_from(&for_px4("46.01"), params, &px4);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+        assert!(passes || said.contains("acceptance radius"), "{said}");
+    }
+}
+
+/// `AP_Landing::type`.
+#[test]
+fn a_plane_that_lands_in_a_deep_stall_is_not_judged() {
+    let plane = ["--airframe", "plane", "--takeoff-heading", "0"];
+    let land = RETURN.replace(
+        "3\t0\t3\t20\t0\t0\t0\t0\t0\t0",
+        "3\t0\t3\t21\t0\t0\t0\t0\t46.02\t8.0",
+    );
+    for (params, passes) in [("LAND_TYPE,0\n", true), ("LAND_TYPE,1\n", false)] {
+        let (code, said, _) = flown_from(&land, params, &plane);
+        assert_eq!(code == Some(0), passes, "{params}: {said}");
+        assert!(
+            passes || said.contains("cannot judge from item 3 on: a landing with LAND_TYPE 1"),
+            "{said}"
         );
     }
 }

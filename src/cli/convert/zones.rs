@@ -47,7 +47,8 @@ pub(super) fn is_shapes(path: &Path) -> bool {
     }
 }
 
-/// Writes the shapes of a file in another format; what is not read or not kept is reported.
+/// Writes the shapes of a file in another format; what is not read or not kept is reported, and an error where a zone is
+/// lost.
 pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     let (input, output) = (&arguments.input, &arguments.output);
     let Some(format) = format(output) else {
@@ -78,7 +79,8 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
             .collect(),
     };
     if arguments.json {
-        return out_json(&report);
+        out_json(&report)?;
+        return complete(&report);
     }
     for refused in &report.refused {
         note(&format!("refused: {refused}"));
@@ -92,5 +94,20 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
         report.shapes,
         report.open,
         report.refused.len()
-    ))
+    ))?;
+    complete(&report)
+}
+
+/// That no zone was lost.
+fn complete(report: &Report) -> Result<(), Failure> {
+    let lost = match report.refused.len() {
+        0 => return Ok(()),
+        1 => "1 shape is".to_owned(),
+        count => format!("{count} shapes are"),
+    };
+    let message = format!(
+        "{lost} not in {}, which was written: zones of {} are lost",
+        report.output, report.input
+    );
+    Err(Failure::new(Failure::INPUT, message))
 }

@@ -81,11 +81,21 @@ impl<'a> Drawing<'a> {
         let home_amsl = ((home.x, home.y) != (0, 0)).then_some(Amsl(f64::from(home.amsl_m)));
         let drawn = |items: &'a [Item]| -> Vec<DrawnItem<'a>> {
             let numbered = items.iter().zip(1..);
+            let mut before = None;
             numbered
-                .map(|(item, number)| DrawnItem {
-                    number,
-                    item,
-                    point: point_of(item, home_amsl),
+                .map(|(item, number)| {
+                    let mut point = point_of(item, home_amsl);
+                    if let Some(point) = point.as_mut().filter(|_| item.command <= LAST_FLOWN) {
+                        if let Some(before) = before.filter(|_| stays_level(item, mission)) {
+                            point.amsl = before;
+                        }
+                        before = Some(point.amsl);
+                    }
+                    DrawnItem {
+                        number,
+                        item,
+                        point,
+                    }
                 })
                 .collect()
         };
@@ -186,6 +196,17 @@ impl<'a> Drawing<'a> {
             }
         }
     }
+}
+
+/// Whether a copter flies to an item at the altitude that it has: ArduCopter where the item has none
+/// (`ModeAuto::loc_from_cmd`). A landing is drawn on the ground.
+fn stays_level(item: &Item, mission: &VehicleMission) -> bool {
+    let is_unset = (f64::from(item.z) * 100.0).abs() < 1.0;
+    is_unset
+        && mission.autopilot.conventions().zero_is_unset
+        && !mission.airframe.has_wing()
+        && item.command != command::NAV_LAND
+        && mission.facts().acceptance.here.contains(&item.command)
 }
 
 /// The point of an item, if its frame is global and its place valid.

@@ -50,11 +50,12 @@ pub(super) fn items(node: &Node<'_>) -> Result<Option<Vec<Item>>, FormatError> {
     // Absent in older files.
     let is_set = |key: &str| node.get(key).value == true;
     let mut items = vec![Item::without_place(command::DO_LAND_START, [0.0; 4])];
+    if is_set("useDoChangeSpeed") {
+        items.push(approach_speed(node)?);
+    }
     if is_set("stopTakingPhotos") {
-        items.push(Item::without_place(
-            command::DO_SET_CAM_TRIGG_DIST,
-            [0.0; 4],
-        ));
+        let trigger = command::DO_SET_CAM_TRIGG_DIST;
+        items.push(Item::without_place(trigger, [0.0; 4]));
         items.push(Item::without_place(command::IMAGE_STOP_CAPTURE, [0.0; 4]));
     }
     if is_set("stopVideoPhotos") {
@@ -68,14 +69,22 @@ pub(super) fn items(node: &Node<'_>) -> Result<Option<Vec<Item>>, FormatError> {
             false => -radius_m,
         };
         // It leaves the circle on its tangent, towards the landing.
-        at(
-            approach,
-            command::NAV_LOITER_TO_ALT,
-            [1.0, signed_m, 0.0, 1.0],
-        )?
+        let params = [1.0, signed_m, 0.0, 1.0];
+        at(approach, command::NAV_LOITER_TO_ALT, params)?
     } else {
         at(approach, command::NAV_WAYPOINT, [0.0; 4])?
     });
     items.push(at("landCoordinate", landing, [0.0; 4])?);
     Ok(Some(items))
+}
+
+/// The change to the airspeed of the approach, which the ground station hands over as an `int`.
+fn approach_speed(node: &Node<'_>) -> Result<Item, FormatError> {
+    let speed = node.get("finalApproachSpeed");
+    let speed_mps = speed.float()?.trunc();
+    if speed_mps.is_nan() {
+        return Err(speed.bad("a speed in m/s"));
+    }
+    let params = [0.0, speed_mps, -1.0, 0.0];
+    Ok(Item::without_place(command::DO_CHANGE_SPEED, params))
 }

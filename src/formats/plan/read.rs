@@ -123,7 +123,11 @@ fn items(node: &Node<'_>, form: &Form, document: &mut Document) -> Result<(), Fo
                     let kind = item.get("complexItemType");
                     return Err(kind.bad("a complex item with its flown items in the file"));
                 }
-                for inner in flown.list()? {
+                let inners = flown.list()?;
+                if inners.is_empty() {
+                    return Err(flown.bad("at least one flown item"));
+                }
+                for inner in inners {
                     let read = simple_item(&inner, document)?;
                     rows.push((inner.value["doJumpId"].as_u64(), read));
                 }

@@ -53,11 +53,19 @@ impl AcceptanceProblem {
 }
 
 impl Fence {
-    /// The fence of a mission's parameters, if it is on.
+    /// The fence of a mission's parameters, if it is on, or an item of the mission switches it on.
     pub(crate) fn of(mission: &VehicleMission) -> Option<Self> {
         let names = mission.facts().param_fence;
         let is_set = |name: &&str| mission.param(name).is_some_and(|value| value.abs() > 0.0);
-        if !(names.switches.is_empty() || names.switches.iter().any(is_set)) {
+        let switches_on = |item: &Item| {
+            names.command.is_some_and(|(command, value)| {
+                item.command == command && (item.params[0].trunc() - value).abs() < 0.5
+            })
+        };
+        let is_on = names.switches.is_empty()
+            || names.switches.iter().any(is_set)
+            || mission.items.iter().any(switches_on);
+        if !is_on {
             return None;
         }
         let kinds = names.kinds.map_or(u8::MAX.into(), |(name, default)| {

@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 use crate::autopilot::Cornering;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{
-    Item, VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps, frame,
-    jerk_mps3, within_speeds_mps,
+    Descent, Item, VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps,
+    frame, jerk_mps3, within_speeds_mps,
 };
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 use crate::world::{Departure, LowPlace, Stations, World};
@@ -56,6 +56,7 @@ pub(crate) fn fly(
         ended: false,
         phase: Phase::Join,
         speed_mps: cruise_speed_mps(mission),
+        descent: Descent::of(vehicle, mission),
         knots: Vec::new(),
         moving_mps: 0.0,
         at_once_m: altitude_lag::threshold_m(mission),
@@ -104,6 +105,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) phase: Phase,
     /// Commanded speed, if known.
     pub(crate) speed_mps: Option<f64>,
+    /// How it descends to land.
+    descent: Descent,
     /// Where the vehicle last stopped, or left the ground, and where it goes from there.
     pub(crate) knots: Vec<Knot>,
     /// Commanded speed at the first knot, m/s; 0 at rest.

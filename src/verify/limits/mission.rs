@@ -10,6 +10,7 @@ mod param_fence;
 mod stops;
 pub(crate) mod tasks;
 
+use crate::autopilot::{ParameterRow, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};
 use crate::path::VehicleLimits;
@@ -361,18 +362,28 @@ impl Contract<'_> {
 
 impl Contract<'_> {
     /// PX4 keeps a radius of its own for each waypoint, and goes on to the next one
-    /// within it; 0 and NaN are that of its parameters. ArduCopter keeps none.
+    /// within it; 0 and NaN are that of its parameters (`Navigator::get_default_acceptance_radius`). ArduCopter keeps none.
     fn acceptance_radius(&self) -> Option<Margin> {
         if self.mission.autopilot != Autopilot::Px4 {
             return None;
         }
         let limit_m = mission::corner_cut_m(&self.spec.mission);
+        // That of the parameters, where it is wider than the default, which counts without any, and than one that a
+        // plan wrote as a float32.
+        let name = "NAV_ACC_RAD";
+        let default_m = parameter(name).map_or(0.0, ParameterRow::default_si);
+        let widest_m = limit_m.max(default_m) * (1.0 + 1e-6);
+        let of_all_m = (self.mission.param_si(name)).filter(|radius_m| *radius_m > widest_m);
         let mut worst = Worst::default();
         for (index, item) in self.mission.items.iter().enumerate() {
-            let (row, radius_m) = (index + 1, f64::from(item.params[1]));
-            if item.command != command::NAV_WAYPOINT || radius_m.is_nan() || radius_m <= 0.0 {
+            let (row, own_m) = (index + 1, f64::from(item.params[1]));
+            if item.command != command::NAV_WAYPOINT {
                 continue;
             }
+            let own_m = Some(own_m).filter(|own_m| *own_m > 0.0);
+            let Some(radius_m) = own_m.or(of_all_m) else {
+                continue;
+            };
             let Some(chord) = self.flight.chords.iter().rfind(|chord| chord.row == row) else {
                 // Not flown as far as is known, which fails already.
                 continue;

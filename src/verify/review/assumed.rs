@@ -121,7 +121,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.holds(command::NAV_RETURN_TO_LAUNCH),
-        "a return to launch climbs to return_amsl_m however near home it begins, flies straight home and lands at once: RTL_ALT, RTL_CONE_SLOPE and RTL_LOIT_TIME (PX4: RTL_RETURN_ALT, RTL_CONE_ANG and RTL_LAND_DELAY) as in the .params file of the vehicle",
+        "a return to launch climbs to return_amsl_m however near home it begins, flies straight home and lands at once: RTL_ALT, RTL_CONE_SLOPE and RTL_LOIT_TIME (PX4: RTL_RETURN_ALT, RTL_CONE_ANG and RTL_LAND_DELAY) as in the .params file of the vehicle, and its speed RTL_SPEED, or that of the cruise, without either speed_mps",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED),

@@ -37,7 +37,7 @@ pub(super) fn returns(
         items.any(|item| commands.contains(&item.command))
     };
     let returns = holds(&[command::NAV_RETURN_TO_LAUNCH]);
-    let has_wing = vehicle.airframe.has_wing();
+    let (has_wing, ends) = (vehicle.airframe.has_wing(), holds(&ENDS));
     let names: &[&str] = match (mission.autopilot, has_wing) {
         (Autopilot::ArduPilot, true) if returns || !holds(&ENDS) => {
             &["RTL_ALTITUDE", "WP_LOITER_RAD"]
@@ -81,6 +81,31 @@ pub(super) fn returns(
             mission.autopilot.name()
         ));
     }
+    let returns_at_end = mission.autopilot == Autopilot::ArduPilot && has_wing && !ends;
+    if returns || returns_at_end {
+        assumed.extend(cruise(vehicle, mission, limits));
+    }
+}
+
+/// Adds the speed of a return where the mission commanded another one, which that forgets, and the sentence for it.
+fn cruise(vehicle: &Vehicle, mission: &mut VehicleMission, limits: &Limits) -> Option<String> {
+    let name = mission.facts().defaults.cruise_parameter;
+    let changes = |item: &Item| item.command == command::DO_CHANGE_SPEED;
+    if mission.param_si(name).is_some() || !mission.items.iter().any(changes) {
+        return None;
+    }
+    let row = parameter(name)?;
+    #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
+    let value = (limits.speed).map_or(row.default, |mps| (mps * row.unit.per_si()) as f32);
+    mission.params.push(Parameter {
+        name: name.to_owned(),
+        value,
+        why: "the default of the autopilot".to_owned(),
+    });
+    Some(format!(
+        "{}: returns at the cruise speed of {name} {value} and not at one of DO_CHANGE_SPEED (--speed)",
+        vehicle.id
+    ))
 }
 
 /// Removes a parameter, under whichever of its names.

@@ -1,9 +1,9 @@
 //! How a flight ends: landed, at home again, or in the air for ever.
 
 use super::{Pilot, SAME_PLACE_M};
-use crate::autopilot::{Autopilot, Motion, SLOW_LANDING_M, command_row};
+use crate::autopilot::{Autopilot, Motion, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{Item, ParamFence, VehicleMission, command};
+use crate::mission::{Item, ParamFence, VehicleMission, command, cruise_speed_mps};
 use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
@@ -21,6 +21,8 @@ const LEAST_CONE_SLOPE: f64 = 0.5;
 const CLIMB_FIRST: f64 = 16.0;
 /// A return altitude that differs from the one of the spec by more is the one that is flown, metres.
 const SAME_ALTITUDE_M: f64 = 0.1;
+/// Speeds that differ by less are one, m/s.
+const SAME_MPS: f64 = 1e-4;
 
 /// A parameter in SI units, or its default.
 fn param_si(mission: &VehicleMission, name: &str) -> f64 {
@@ -152,13 +154,25 @@ impl Pilot<'_> {
         if self.last().amsl_m < return_m {
             self.climb(row, return_m);
         }
-        if let Some(speed_mps) = mission.param_si("RTL_SPEED").filter(|mps| *mps > 0.0) {
-            self.speed_mps = Some(speed_mps);
-        }
+        self.forget_speed(mission);
         let knot = self.knot(row, self.home.at, self.last().amsl_m, None);
         self.append(knot)?;
         self.stop()?;
         self.end_over_home(row, mission)
+    }
+
+    /// Takes the speed of a return, whatever the mission commanded: its own, or that of the cruise, without parameters
+    /// the planned one (`ModeRTL::init` calls `AC_WPNav::wp_and_spline_init`, PX4's `RtlDirect::on_activation`
+    /// `Navigator::reset_cruising_speed`, and ArduPlane's `Mode::enter` clears `new_airspeed_cm`).
+    fn forget_speed(&mut self, mission: &VehicleMission) {
+        let own_mps = mission.param_si("RTL_SPEED").filter(|mps| *mps > 0.0);
+        let held_mps = own_mps.or_else(|| cruise_speed_mps(mission));
+        let speed_mps = held_mps.unwrap_or(self.vehicle.speed_mps);
+        // A float32 in centimetres is the commanded speed.
+        let is_it = |mps: f64| (mps - speed_mps).abs() < SAME_MPS;
+        if !self.speed_mps.is_some_and(is_it) {
+            self.speed_mps = Some(speed_mps);
+        }
     }
 
     /// Waits over home, and lands there or stays, by the parameters.
@@ -252,6 +266,7 @@ impl Pilot<'_> {
         let amsl = Amsl(home.amsl.0 + above_m);
         let place = self.world.frame.from_plan(home.at);
         self.phase = Phase::Finish;
+        self.forget_speed(mission);
         if from.amsl_m < amsl.0 {
             // How fast it climbs is its own affair.
             let turned = self.turned_towards(home.at)?;
@@ -300,6 +315,19 @@ impl Pilot<'_> {
         Ok(())
     }
 
+    /// Counts how late or early it lands where the slow end begins at its height above home and not above ground, metres
+    /// above the sea: that depends on a rangefinder or terrain data on board (`Mode::get_alt_above_ground_m`,
+    /// `FlightTask::_evaluateDistanceToGround`).
+    fn count_from_home(&mut self, (slow_m, ground_m): (f64, f64)) {
+        let (descent, top_m) = (self.descent, self.last().amsl_m);
+        let within = |amsl_m: f64| amsl_m.min(top_m).max(ground_m);
+        let from_home_m = within(self.home.amsl.0 + descent.slow_below_m);
+        let late_s =
+            (from_home_m - within(slow_m)) * (1.0 / descent.slow_mps - 1.0 / descent.fast_mps);
+        self.trajectory.late_s += late_s.max(0.0);
+        self.trajectory.early_s += (-late_s).max(0.0);
+    }
+
     /// Descends to the ground.
     fn touch_down(&mut self, row: usize) -> Result<(), Unknown> {
         let at = self.last().at;
@@ -310,18 +338,13 @@ impl Pilot<'_> {
                 .trajectory
                 .ground_m(row, self.world.frame.from_plan(at))?,
         };
-        let slow_mps = self.vehicle.facts().behaviour.slow_landing_mps;
-        let descent_mps = self.vehicle.descent_mps;
-        let slow_m = ground_m + SLOW_LANDING_M;
+        let descent = self.descent;
+        let slow_m = ground_m + descent.slow_below_m;
+        self.count_from_home((slow_m, ground_m));
         if self.last().amsl_m > slow_m {
-            self.lift(row, slow_m, descent_mps, Some(Column::Ground));
+            self.lift(row, slow_m, descent.fast_mps, Some(Column::Ground));
         }
-        self.lift(
-            row,
-            ground_m,
-            descent_mps.min(slow_mps),
-            Some(Column::Ground),
-        );
+        self.lift(row, ground_m, descent.slow_mps, Some(Column::Ground));
         self.ended = true;
         self.flight.end = Some(End::Landed(at));
         Ok(())

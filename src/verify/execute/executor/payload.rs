@@ -40,7 +40,7 @@ impl Pilot<'_> {
         }
         let bottom_m = most_m.map_or(ground_m, |most_m| ground_m.max(top_m - most_m));
         let began_s = self.trajectory.t_s;
-        let slow_mps = self.vehicle.slow_descent_mps();
+        let slow_mps = self.descent.slow_mps;
         match placing_mps(mission) {
             Some(own_mps) => {
                 let down_mps = if own_mps > 0.0 { own_mps } else { slow_mps };

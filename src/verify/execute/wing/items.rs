@@ -23,6 +23,11 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
     {
         return Err(format!("ALT_OFFSET raises its altitude by {offset_m} m"));
     }
+    // `AP_Landing::type_deepstall`.
+    let kind = mission.param("LAND_TYPE").unwrap_or(0.0);
+    if autopilot == Autopilot::ArduPilot && item.command == command::NAV_LAND && kind.abs() >= 0.5 {
+        return Err(format!("a landing with LAND_TYPE {kind}: a deep stall"));
+    }
     let [_, second, third, _] = item.params.map(f64::from);
     match item.command {
         command::NAV_TAKEOFF
