@@ -1,5 +1,6 @@
 //! A vehicle in flight takes a new mission while it comes to a waypoint of the one before.
 
+use super::flight_truth::{sky, two};
 use sortie::flight::{Diversion, Onward};
 use sortie::geodesy::LatLon;
 use sortie::link::{
@@ -138,4 +139,53 @@ fn who_has_left_the_last_common_waypoint_by_its_own_word_is_ordered_to_the_first
 fn who_does_not_say_where_it_flies_to_is_ordered_to_the_first_new_waypoint() {
     assert_eq!(ordered(&[]), Some(3.0));
     assert_eq!(ordered(&[(2, 4)]), Some(3.0));
+}
+
+#[test]
+fn who_was_taken_over_while_its_new_mission_was_sent_is_not_on_it() {
+    for is_taken in [false, true] {
+        let plan = two();
+        let mut sky = sky(&plan);
+        sky.fly_to(20.0);
+        let (mission, mut now) = (&plan.dispatched.missions[0].1, sky.now);
+        let vehicle = &mut sky.vehicles[0];
+        let onward = Onward {
+            vehicle: "alpha",
+            mission,
+            origin: LatLon::of_e7(mission.home.x, mission.home.y),
+            ahead: 1,
+            new: mission.items.len(),
+            held: (mission.items.len(), 0),
+        };
+        let beat = Heartbeat {
+            kind: 2,
+            autopilot: 3,
+            base_mode: 0b1000_1001,
+            custom_mode: 3,
+            system_status: 4,
+        };
+        let mut diversion = Diversion::new(onward, (VEHICLE, beat), Vec::new(), US, now);
+        let until = now + 60_000;
+        while diversion.outcome().is_none() && now < until {
+            now = now + 20;
+            if is_taken && until - now == 59_900 {
+                let order = Command::new(Command::LOITER, []);
+                let target = VEHICLE;
+                let order = Message::Flight(FlightMessage::Command { target, order });
+                vehicle.handle(now, US, &order);
+            }
+            vehicle.handle_timeout(now);
+            while let Some(message) = vehicle.poll_transmit() {
+                diversion.handle(now, VEHICLE, &message);
+            }
+            diversion.handle_timeout(now);
+            while let Some(message) = diversion.poll_transmit(now) {
+                vehicle.handle(now, US, &message);
+            }
+        }
+        let said = diversion.outcome().cloned().expect("an outcome");
+        let why = said.err().unwrap_or_default();
+        assert_eq!(why.contains("does not fly it: it is in"), is_taken, "{why}");
+        assert_eq!(why.is_empty(), !is_taken, "{why}");
+    }
 }

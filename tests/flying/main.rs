@@ -24,6 +24,7 @@ mod hostile_fleet;
 mod launch_time;
 mod orders_and_ends;
 mod orders_meanwhile;
+mod ready_and_t0;
 mod replan_columns;
 mod replan_left;
 mod replan_returns;

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use super::flight_truth::{ARMED, change, count, sky, two};
-use crate::support::sky::{Planned, lane, plan, plan_spec};
+use crate::support::sky::{Planned, US, lane, plan, plan_spec};
 use crate::support::{place, plane, threat};
 use sortie::flight::*;
 use sortie::geodesy::Amsl;
@@ -284,6 +284,53 @@ fn a_return_that_was_not_heard_is_judged_again_where_the_vehicle_is_by_then() {
     assert_eq!(count(&sky, "alpha", "ALARM threat"), 0, "{:?}", sky.events);
     let alpha = sky.fleet.status(sky.now);
     assert_eq!(alpha[0].mode.as_deref(), Some("AUTO"), "{:?}", sky.events);
+}
+
+/// When a vehicle that does not return is ordered to, and when it is not any more, seconds after T0; its battery is
+/// empty from some time on, and it may accept the order all the same.
+fn ordered_and_withdrawn_s(drains_s: f64, accepts: bool) -> [f64; 2] {
+    let mut plan = two();
+    returns(&mut plan);
+    plan.spec.threats = vec![threat("mast", place(36.3010, -84.2545), 60.0)];
+    let plan = plan_spec(plan.spec);
+    let mut sky = sky(&plan);
+    sky.up = Some(Box::new(move |_, system, message| {
+        let Message::Flight(FlightMessage::Command { target, order }) = message else {
+            return None;
+        };
+        let is_mode =
+            system == 1 && order.command == 176 && order.params[1].to_bits() == 6.0_f32.to_bits();
+        let ack = FlightMessage::CommandAck {
+            target: US,
+            command: order.command,
+            result: CommandResult::ACCEPTED,
+        };
+        let answers = accepts.then_some((*target, Message::Flight(ack)));
+        is_mode.then(|| answers.into_iter().collect())
+    }));
+    sky.fly_to(drains_s);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    let texts = ["is ordered to return", "is not ordered to return any more"];
+    texts.map(|text| {
+        while !sky.says("alpha", text) {
+            assert!(sky.fleet.outcome().is_none(), "{:?}", sky.events);
+            sky.step();
+        }
+        sky.fleet.t_s(sky.now).expect("it flies")
+    })
+}
+
+#[test]
+fn a_return_that_was_accepted_a_moment_ago_is_not_withdrawn() {
+    let [ordered_s, withdrawn_s] = ordered_and_withdrawn_s(30.0, false);
+    // One second before its way home leads through a threat.
+    let drains_s = withdrawn_s - (ordered_s - 30.0) - 1.0;
+    let [ordered_s, withdrawn_s] = ordered_and_withdrawn_s(drains_s, false);
+    assert!(withdrawn_s - ordered_s < 2.0, "{ordered_s} {withdrawn_s}");
+    let [ordered_s, withdrawn_s] = ordered_and_withdrawn_s(drains_s, true);
+    let after_s = withdrawn_s - ordered_s;
+    // It does not obey, and is judged again then.
+    assert!((2.9..5.0).contains(&after_s), "{after_s}");
 }
 
 #[test]

@@ -12,7 +12,8 @@ use sortie::flight::*;
 use sortie::geodesy::Agl;
 use sortie::link::*;
 use sortie::simulator::Fault;
-use sortie::spec::{AlarmKind, EndPoint, OnLinkLoss, Placement, Stop, Wind};
+use sortie::spec::{AlarmKind, EndPoint, OnLinkLoss, Placement, Stop, Wind, Zone};
+use sortie::verify::{Limit, Margin};
 
 /// From some time on the place and altitude of alpha stand still; its height above home sinks by so many mm a second,
 /// and its motors stand 20 s later, when it says that it is on the ground or does not.
@@ -324,4 +325,46 @@ fn positions_of_one_that_does_not_stop_its_motors_are_recorded_until_it_is_given
         "{gap:?}: {:?}",
         report.margins
     );
+}
+
+#[test]
+fn a_zone_that_is_crossed_between_two_positions_is_entered() {
+    for (east_m, is_crossed) in [(0.0, true), (3000.0, false)] {
+        let plan = two();
+        let mut sky = sky(&plan);
+        let west_deg = -84.2540;
+        // Nothing is heard of where it is from before the zone until it is behind it.
+        sky.down = Some(Box::new(move |_, from, message| {
+            let is_in = match &message {
+                Message::Flight(FlightMessage::Position(position)) if from.system == 1 => {
+                    let east_m = (f64::from(position.y) / 1e7 - west_deg) * 89_800.0;
+                    (-8.0..32.0).contains(&east_m)
+                }
+                _ => false,
+            };
+            if is_in {
+                Vec::new()
+            } else {
+                vec![(from, message)]
+            }
+        }));
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        let shift_deg = east_m / 89_800.0;
+        let corner =
+            |lat_deg: f64, east_m: f64| place(lat_deg, west_deg + shift_deg + east_m / 89_800.0);
+        let corners = vec![
+            corner(36.2990, 0.0),
+            corner(36.2990, 24.0),
+            corner(36.3030, 24.0),
+            corner(36.3030, 0.0),
+        ];
+        let mut spec = plan.spec.clone();
+        spec.no_fly = vec![Zone::closed("yard".to_owned(), corners)];
+        let report = judge(&spec, &plan.world, &plan.record(&sky));
+        let mut margins = report.margins.iter();
+        let yard = Limit::Zone("yard".to_owned());
+        let of = |margin: &&Margin| margin.vehicle == "alpha" && margin.limit == yard;
+        let margin = margins.find(of).expect("judged");
+        assert_eq!(margin.ok, !is_crossed, "{margin:?}");
+    }
 }

@@ -80,6 +80,12 @@ impl Alarms<'_> {
         }
     }
 
+    /// What is wrong with the battery of a vehicle, in words.
+    #[must_use]
+    pub fn battery_problem(&self, vehicle: usize) -> Option<String> {
+        self.vehicles.get(vehicle)?.health.battery()
+    }
+
     /// Why the circle on which a wing would hold here is not clear, in words; none if it is, and
     /// of a vehicle without a wing. `None` of a place that is not known is a reason, too.
     #[must_use]

@@ -4,7 +4,7 @@ use geo::{Contains, Point};
 
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::{Fix, Record};
-use crate::geodesy::{EastNorth, PlanPoint};
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::approach::{Segment, closest_approach, closest_horizontal, least_ratio};
 use crate::numeric::geometry::point_segment_distance;
 use crate::spec::{Airframe, MissionSpec, Separation, Threat};
@@ -16,6 +16,10 @@ use crate::world::{Disc, PlanZone, World};
 const SLOPE_SHARE: f64 = 0.5;
 /// Higher above the ground than this a vehicle is in the air and must keep its distance, metres.
 const GROUNDED_M: f64 = 1.0;
+
+/// Between two positions a zone is looked for in steps of this length, metres, and in no more steps.
+const STEP_M: f64 = 2.0;
+const MOST_STEPS: f64 = 200.0;
 
 pub(crate) fn moment(fix: &Fix) -> Moment {
     Moment {
@@ -32,10 +36,10 @@ fn is_gap(from: &Fix, to: &Fix) -> bool {
 }
 
 /// Whether a zone is closed where and when a vehicle was.
-fn is_closed(zone: &PlanZone, world: &World, fix: &Fix, point: PlanPoint) -> bool {
-    let ground = world.terrain.height(fix.place);
+fn is_closed(zone: &PlanZone, world: &World, t_s: f64, point: PlanPoint) -> bool {
+    let ground = world.terrain.height(world.frame.from_plan(point.at));
     let ground_m = ground.map_or(f64::NAN, |ground| ground.0);
-    zone.is_closed_at(point, ground_m, fix.t_s)
+    zone.is_closed_at(point, ground_m, t_s)
 }
 
 impl FlownTrack<'_> {
@@ -125,9 +129,9 @@ impl FlownTrack<'_> {
             let outline = world.frame.outline(&zone.outline());
             let slack_s = spec.separation.time_slack_s;
             let shape = PlanZone::new(outline, zone, slack_s, &world.terrain);
-            let inside = all().filter(|(fix, point)| is_closed(&shape, world, fix, *point));
+            let inside = (0..self.points.len()).filter(|&index| self.enters(&shape, world, index));
             let zone = none(Limit::Zone(zone.id.clone()));
-            margins.push(self.count(zone, inside.map(|(f, _)| f)));
+            margins.push(self.count(zone, inside.map(|index| &self.fixes()[index])));
         }
         let outline = world.frame.outline(&spec.area.outline());
         let in_area = |at: EastNorth| outline.contains(&Point::new(at.east_m, at.north_m));
@@ -135,6 +139,37 @@ impl FlownTrack<'_> {
         let area = none(Limit::Flown(Flown::OutsideArea));
         margins.push(self.count(area, outside.map(|(f, _)| f)));
         margins
+    }
+
+    /// Whether a zone is closed where a vehicle was, or straight on its way to the next position.
+    fn enters(&self, zone: &PlanZone, world: &World, index: usize) -> bool {
+        let (fix, from) = (&self.fixes()[index], self.points[index]);
+        if is_closed(zone, world, fix.t_s, from) {
+            return true;
+        }
+        let next = self.fixes().get(index + 1).zip(self.points.get(index + 1));
+        let Some((then, &to)) = next.filter(|(then, _)| !is_gap(fix, then)) else {
+            return false;
+        };
+        let mix = |a: f64, b: f64, share: f64| a + (b - a) * share;
+        let is_closed_at = |share: f64| {
+            let point = PlanPoint::new(
+                mix(from.at.east_m, to.at.east_m, share),
+                mix(from.at.north_m, to.at.north_m, share),
+                Amsl(mix(from.amsl.0, to.amsl.0, share)),
+            );
+            is_closed(zone, world, mix(fix.t_s, then.t_s, share), point)
+        };
+        let steps = (from.distance_m(to) / STEP_M).ceil().min(MOST_STEPS);
+        let mut step = 1.0;
+        // The next position counts itself.
+        while step < steps {
+            if is_closed_at(step / steps) {
+                return true;
+            }
+            step += 1.0;
+        }
+        false
     }
 
     /// On its climb-out and its glide a plane must be as high as the verdict wants it there:

@@ -2,6 +2,7 @@
 
 use super::command::pending::{Answer, PendingCommand, is_for};
 use super::command::set_current::Setting;
+use super::modes;
 use crate::flight::conformance::leg::leg_at;
 use crate::flight::conformance::proof::CROSS_TRACK_M;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
@@ -60,6 +61,8 @@ pub struct Diversion<'a> {
     onward: Onward<'a>,
     /// Where the vehicle was last heard to be, and how fast it flew to the east and the north, m/s.
     here: Option<(LatLon, (f64, f64))>,
+    /// The last mode that it was heard in.
+    mode: Option<u32>,
     /// Index in the new mission of the item that it flew to by its mission before.
     current: Option<usize>,
     /// Until when it may say to which item of the new mission it flies.
@@ -98,6 +101,7 @@ impl<'a> Diversion<'a> {
             vehicle,
             onward,
             here: None,
+            mode: None,
             current: None,
             says_by: None,
             pending: None,
@@ -114,6 +118,7 @@ impl<'a> Diversion<'a> {
             return;
         }
         match message {
+            Message::Heartbeat(beat) => self.mode = Some(beat.custom_mode),
             Message::Flight(FlightMessage::Position(position)) if position.is_known() => {
                 let [north, east, _] = position.velocity_cmps.map(|cmps| f64::from(cmps) / 100.0);
                 self.here = Some((position.place(), (east, north)));
@@ -267,10 +272,26 @@ impl<'a> Diversion<'a> {
             Verdict::Verified => {
                 // An acknowledgement that was lost is found out by reading back.
                 self.has_the_mission(now);
-                self.outcome.clone_from(&self.going);
+                self.outcome = self
+                    .going
+                    .clone()
+                    .map(|going| going.and_then(|()| self.flies_it()));
             }
             Verdict::Failed(failure) => self.outcome = Some(Err(failure.to_string())),
             Verdict::Refused(refusal) => self.outcome = Some(Err(refusal.to_string())),
+        }
+    }
+
+    /// Whether it flies its mission, as far as it was heard: somebody may have taken it over meanwhile.
+    fn flies_it(&self) -> Result<(), String> {
+        let mission = self.onward.mission;
+        let other = self.mode.filter(|mode| !modes::is_mission(mission, *mode));
+        match other {
+            None => Ok(()),
+            Some(mode) => Err(format!(
+                "holds the new mission, and does not fly it: it is in {}",
+                modes::name(mission, mode)
+            )),
         }
     }
 

@@ -85,12 +85,28 @@ impl Fleet<'_> {
         if self.waits_for_controls(now) {
             return;
         }
+        let changed = self.changed_since_checked();
+        if !changed.is_empty() {
+            return self.abandon(now, changed);
+        }
         self.say(now, None, "all are ready".to_owned());
         self.vehicles
             .iter_mut()
             .for_each(|vehicle| vehicle.arm(now));
         let until = now + ARMING_MS + CONFIRMING_MS;
         self.phase = Phase::Arming { until, again: 0 };
+    }
+
+    /// What has changed of vehicles since each was checked: some wait long for others.
+    fn changed_since_checked(&self) -> Vec<(String, String)> {
+        let vehicles = self.vehicles.iter().enumerate();
+        let changed = vehicles.flat_map(|(index, vehicle)| {
+            let alarms = self.alarms.as_ref();
+            let battery = alarms.and_then(|alarms| alarms.battery_problem(index));
+            let problems = vehicle.changed_since_checked(battery).into_iter();
+            problems.map(|problem| (vehicle.of.vehicle.to_owned(), problem))
+        });
+        changed.collect()
     }
 
     /// Whether a vehicle must run for longer before it may take off; of each that is said once.
@@ -171,6 +187,8 @@ impl Fleet<'_> {
             self.abandon(now, vec![(String::new(), why.to_owned())]);
         } else if waiting.is_empty() && self.arm_again(now, (until, again)) {
             // T0 is when those are armed again.
+        } else if waiting.is_empty() && !self.changed_since_checked().is_empty() {
+            self.abandon(now, self.changed_since_checked());
         } else if waiting.is_empty() {
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };

@@ -5,7 +5,9 @@ use crate::autopilot::Autopilot;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
-use crate::link::{Address, Command, FlightMessage, Message, Time};
+use crate::link::{
+    Address, Body, Command, FlightMessage, Message, MissionMessage, MissionResult, Time,
+};
 
 /// How long position and home are waited for, milliseconds.
 const REPORTING_MS: u64 = 60_000;
@@ -112,25 +114,10 @@ impl FlightVehicle<'_> {
         }
         soft.extend(readiness::version_problem(self.of.mission, self.version));
         let mut hard = Vec::new();
-        match self.latest {
-            None => hard.push("it does not say where it is".to_owned()),
-            Some((_, fix)) => {
-                let away_m = readiness::place(&self.of.mission.home).chord_m(fix.place);
-                if away_m > STANDS_M {
-                    soft.push(format!(
-                        "it stands {away_m:.0} m from its home (allowed: {STANDS_M:.0} m)"
-                    ));
-                }
-                let above_m = fix.amsl.0 - f64::from(self.of.mission.home.amsl_m);
-                if above_m.abs() > STANDS_M {
-                    let side = if above_m > 0.0 { "above" } else { "below" };
-                    let off_m = above_m.abs();
-                    soft.push(format!(
-                        "it is {off_m:.0} m {side} its home by its position (allowed: {STANDS_M:.0} m)"
-                    ));
-                }
-            }
+        if self.latest.is_none() {
+            hard.push("it does not say where it is".to_owned());
         }
+        soft.extend(self.place_problems());
         if self.vehicle.is_some_and(|(_, beat)| beat.is_armed()) {
             hard.push("it is armed".to_owned());
         }
@@ -147,6 +134,63 @@ impl FlightVehicle<'_> {
         } else {
             Stage::Refused(hard)
         };
+    }
+
+    /// That it is not where its mission begins.
+    fn place_problems(&self) -> Vec<String> {
+        let Some((_, fix)) = self.latest else {
+            return Vec::new();
+        };
+        let mut problems = Vec::new();
+        let away_m = readiness::place(&self.of.mission.home).chord_m(fix.place);
+        if away_m > STANDS_M {
+            problems.push(format!(
+                "it stands {away_m:.0} m from its home (allowed: {STANDS_M:.0} m)"
+            ));
+        }
+        let above_m = fix.amsl.0 - f64::from(self.of.mission.home.amsl_m);
+        if above_m.abs() > STANDS_M {
+            let side = if above_m > 0.0 { "above" } else { "below" };
+            let off_m = above_m.abs();
+            problems.push(format!(
+                "it is {off_m:.0} m {side} its home by its position (allowed: {STANDS_M:.0} m)"
+            ));
+        }
+        problems
+    }
+
+    /// What has changed since it was checked, while others were not ready: nobody starts then. `battery` is what is
+    /// wrong with its battery.
+    pub(in crate::flight) fn changed_since_checked(&self, battery: Option<String>) -> Vec<String> {
+        let mut problems = Vec::new();
+        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        if is_armed && matches!(self.stage, Stage::Ready) {
+            problems.push("it was armed after it was checked, and not from here".to_owned());
+        }
+        if !self.force {
+            problems.extend(self.place_problems());
+            problems.extend(battery);
+        }
+        problems
+    }
+
+    /// Another station writes to it after it was read.
+    pub(super) fn heed_writer(&mut self, list: &MissionMessage) {
+        let is_read = matches!(
+            self.stage,
+            Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed
+        );
+        let is_done = |body: &Body| {
+            let result = MissionResult::ACCEPTED;
+            matches!(body, Body::Ack { result: found, .. } if *found == result)
+        };
+        let system = list.target.system;
+        if is_read && system != 0 && system != self.us.system && is_done(&list.body) {
+            let why = format!(
+                "it acknowledged a mission, a fence or rally points to system {system} after they were read: run `sortie fly` again"
+            );
+            self.stage = Stage::Refused(vec![why]);
+        }
     }
 
     /// Requests what it does not broadcast.

@@ -14,6 +14,8 @@ use crate::link::{Command, Time};
 
 /// A hold or a landing is ordered again after this time, until the mode shows it, milliseconds.
 const AGAIN_MS: u64 = 2000;
+/// A mode that was accepted is shown within this time, milliseconds: heartbeats come each second.
+const ACCEPTED_MS: u64 = 3000;
 /// A position that is older says nothing about where it is now, milliseconds.
 const PLACED_MS: u64 = 3000;
 /// One that is not seen for this long is reported, seconds; a hold of a wing that circles already,
@@ -59,6 +61,8 @@ pub(super) struct HoldWatch {
     pub(super) is_of_others: bool,
     /// How far a landing or a return has got.
     pub(super) headway: Option<Headway>,
+    /// Until when its mode may not show a return yet that it has accepted.
+    accepted_until: Option<Time>,
     /// The last answer that was reported.
     answer: Option<String>,
 }
@@ -255,9 +259,21 @@ impl FlightVehicle<'_> {
             .is_some_and(|at| self.now - at <= PLACED_MS)
     }
 
-    /// Whether it was ordered to return, and its mode has not shown that yet.
+    /// Whether it was ordered to return, and neither its mode nor its answer has shown that yet.
     pub(crate) fn is_to_return(&self) -> bool {
-        self.instruction == Some(Instruction::Return) && !self.hold.was_in_mode
+        let may_return = (self.hold.accepted_until).is_some_and(|until| self.now < until);
+        self.instruction == Some(Instruction::Return) && !self.hold.was_in_mode && !may_return
+    }
+
+    /// It accepts a return: it may be on its way before its next heartbeat.
+    pub(super) fn heed_accepted(&mut self, command: u16) {
+        let order = modes::return_to_launch(self.of.mission).command;
+        if self.instruction == Some(Instruction::Return) && command == order {
+            // One that accepts again and again and does not obey is judged again.
+            self.hold
+                .accepted_until
+                .get_or_insert(self.now + ACCEPTED_MS);
+        }
     }
 
     /// Takes an order back that it has not obeyed.

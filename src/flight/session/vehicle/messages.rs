@@ -6,7 +6,9 @@ use crate::flight::event::says;
 use crate::flight::record::Fix;
 use crate::flight::session::command::pending::is_for;
 use crate::flight::session::modes;
-use crate::link::{AUTOPILOT_INVALID, Address, FlightMessage, Heartbeat, Message, Position, Time};
+use crate::link::{
+    AUTOPILOT_INVALID, Address, CommandResult, FlightMessage, Heartbeat, Message, Position, Time,
+};
 use crate::mission::Home;
 
 /// A vehicle that is so much higher than its home by its altitude, or so far from it, has taken off, metres:
@@ -95,6 +97,7 @@ impl FlightVehicle<'_> {
                     self.of.reference = reference;
                 }
             }
+            Message::Mission(list) if t0_ms.is_none() => self.heed_writer(list),
             Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
                 self.warn(text);
             }
@@ -151,6 +154,9 @@ impl FlightVehicle<'_> {
                 command,
                 result,
             } if is_for(self.us, *target) => {
+                if *result == CommandResult::ACCEPTED {
+                    self.heed_accepted(*command);
+                }
                 if let Some(pending) = &mut self.pending {
                     pending.answered(now, *command, *result);
                 }

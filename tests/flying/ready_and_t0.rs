@@ -1,0 +1,91 @@
+//! What was found when a vehicle was checked may have changed before all of them start.
+
+use super::flight_truth::{ARMED, change, two};
+use super::orders_and_ends::position;
+use crate::support::sky::Sky;
+use sortie::flight::*;
+use sortie::link::*;
+
+/// Why nobody starts, where this happens to the messages of alpha from when it is ready until all are.
+fn refusals(happens: impl Fn(&mut Message) + 'static) -> Vec<(String, String)> {
+    let plan = two();
+    let launch = Launch {
+        from: Time(90_000),
+        until: Time(120_000),
+    };
+    let fleet = plan.fleet_launched(false, true, Some(launch));
+    let mut sky = Sky::new(fleet, plan.vehicles());
+    let switch = change(&mut sky, move |_, message| happens(message));
+    while sky.now < Time(80_000) {
+        sky.step();
+    }
+    assert_eq!(sky.fleet.outcome(), None, "{:?}", sky.events);
+    switch.set(true);
+    let Outcome::NotStarted(why) = sky.fly_out() else {
+        panic!("{:?}", sky.events);
+    };
+    assert!(!sky.says("bravo", "took off"), "{:?}", sky.events);
+    why
+}
+
+fn is_named(why: &[(String, String)], text: &str) -> bool {
+    let mut why = why.iter();
+    why.any(|(vehicle, of)| vehicle == "alpha" && of.contains(text))
+}
+
+#[test]
+fn who_was_armed_by_its_pilot_meanwhile_starts_nobody() {
+    let why = refusals(|message| {
+        if let Message::Heartbeat(beat) = message {
+            beat.base_mode |= ARMED;
+        }
+    });
+    assert!(is_named(&why, "was armed after it was checked"), "{why:?}");
+}
+
+#[test]
+fn who_was_carried_away_meanwhile_starts_nobody() {
+    let why = refusals(|message| position(message, |position| position.x += 6300));
+    assert!(is_named(&why, "it stands 70 m from its home"), "{why:?}");
+}
+
+#[test]
+fn who_has_no_battery_left_meanwhile_starts_nobody() {
+    let why = refusals(|message| {
+        if let Message::Flight(FlightMessage::Health(health)) = message {
+            match health {
+                Health::System(status) => status.remaining = 5,
+                Health::Battery { remaining, .. } => *remaining = 5,
+                _ => {}
+            }
+        }
+    });
+    assert!(is_named(&why, "5 % left, reserve 20 %"), "{why:?}");
+}
+
+#[test]
+fn who_takes_a_list_from_another_station_meanwhile_starts_nobody() {
+    for mission_type in [0, 1, 2] {
+        let why = refusals(move |message| {
+            if matches!(message, Message::Heartbeat(_)) {
+                let target = Address {
+                    system: 254,
+                    component: 190,
+                };
+                let body = Body::Ack {
+                    result: MissionResult::ACCEPTED,
+                    opaque_id: 0,
+                };
+                *message = Message::Mission(MissionMessage {
+                    target,
+                    mission_type,
+                    body,
+                });
+            }
+        });
+        assert!(
+            is_named(&why, "to system 254 after they were read"),
+            "{why:?}"
+        );
+    }
+}
