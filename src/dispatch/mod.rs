@@ -313,19 +313,21 @@ fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
 /// Dispatches a fleet in rounds; where it fails by distances that another search may find, also with
 /// parts of its evaluations: more of them are never worse than those parts.
 fn with_nested_budgets(job: Job<'_>) -> Dispatched {
-    /// How many times smaller these budgets are.
+    /// How many times smaller these budgets are, and the least.
     const PARTS: [usize; 2] = [2, 4];
+    const LEAST: usize = 10_000;
     let mut best = dispatch_in_rounds(job);
     let is_small = job.spec.vehicles.len() <= crowd::MOST;
     for part in PARTS {
         let mut broken = best.review.margins.iter().filter(|margin| !margin.ok);
         let may_be_found =
             broken.any(|margin| margin.limit.repair().is_some() && margin.value.is_finite());
-        if !may_be_found || !is_small || job.run.is_cancelled() {
+        let evaluations = job.spec.planner.evaluations / part;
+        if !may_be_found || !is_small || evaluations < LEAST || job.run.is_cancelled() {
             break;
         }
         let mut spec = job.spec.clone();
-        spec.planner.evaluations = job.spec.planner.evaluations.div_ceil(part);
+        spec.planner.evaluations = evaluations;
         let other = dispatch_in_rounds(Job { spec: &spec, ..job });
         if other.is_better_than(best.rank()) {
             best = other;

@@ -184,8 +184,8 @@ class Flight:
     def takeoff(self, item):
         amsl, _ = self.resolve(item, self.home.at)
         self.knots = [self.home]
-        self.lift(amsl)
         self.late += self.slow_takeoff()
+        self.lift(amsl)
         if not self.ardupilot and distance(item["at"], self.home.at) > self.tolerance:
             self.append(Knot(item["at"], amsl, None, self.speed))
             self.stop()
@@ -228,9 +228,15 @@ class Flight:
 
     def touch_down(self):
         ground = float(self.ground.height(*self.knots[-1].at))
+        # It is slow from so high above home on where nothing on board knows the ground.
+        fast, slow = self.vehicle["descent_mps"], min(self.vehicle["descent_mps"], 0.5 if self.ardupilot else 0.7)
+        top = self.knots[-1].amsl
+        from_home, from_ground = (max(min(amsl, top), ground) for amsl in (self.home.amsl + SLOW_M, ground + SLOW_M))
+        later = (from_home - from_ground) * (1 / slow - 1 / fast)
+        self.late, self.ahead = self.late + max(later, 0.0), self.ahead + max(-later, 0.0)
         if self.knots[-1].amsl > ground + SLOW_M:
             self.lift(ground + SLOW_M, rate=self.vehicle["descent_mps"])
-        self.lift(ground, rate=min(self.vehicle["descent_mps"], 0.5 if self.ardupilot else 0.7))
+        self.lift(ground, rate=slow)
 
     def add(self, shape, part, speed, lasts, fastest, wide=0.0):
         self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest, self.late, wide, self.ahead))
@@ -263,12 +269,12 @@ class Flight:
             first = len(self.motions)
             self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], cruise[i])
             if i + 1 < len(legs) and taken[i + 1] > 0:
-                self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
                 slower, radius = min(cruise[i : i + 2]), knots[i + 1].radius
                 if not self.ardupilot:
                     self.late += self.corner_late(half[i + 1], taken[i + 1], slower)
                 elif not self.profile.overlap(slower, half[i + 1], radius)[1]:
                     self.late += CORNER_LATE
+                self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
             self.count_on_sphere(knots[i].at, knots[i + 1].at, self.motions[first:])
         self.late += STOP_LATE
 

@@ -147,7 +147,8 @@ impl<'a> TrajectoryBuilder<'a> {
                 bow_m: if is_arc { error_m } else { 0.0 },
                 slope_from_m: to.slope_from_m,
                 wide_m: piece.wide_m,
-                late_s: self.late_s + piece.late_s * time(index + 1),
+                // What an arc takes longer it may have lost at its begin.
+                late_s: self.late_s + piece.late_s,
                 early_s: self.early_s,
                 flown: true,
                 ..Chord::unflown((to.row, to.phase), times_s, ends)
