@@ -19,6 +19,15 @@ const VEHICLE: Address = Address {
     component: 1,
 };
 
+/// Armed, in AUTO.
+const BEAT: Heartbeat = Heartbeat {
+    kind: 2,
+    autopilot: 3,
+    base_mode: 0b1000_1001,
+    custom_mode: 3,
+    system_status: 4,
+};
+
 fn item(command: u16, lat: i32, lon: i32) -> Item {
     Item {
         command,
@@ -70,15 +79,8 @@ fn ordered(current: &[(u16, u16)]) -> Option<f32> {
         new: 2,
         held: (4, 0),
     };
-    let beat = Heartbeat {
-        kind: 2,
-        autopilot: 3,
-        base_mode: 0b1000_1001,
-        custom_mode: 3,
-        system_status: 4,
-    };
     let mut now = Time(0);
-    let mut diversion = Diversion::new(onward, (VEHICLE, beat), Vec::new(), US, now);
+    let mut diversion = Diversion::new(onward, (VEHICLE, BEAT), Vec::new(), US, now);
     let position = Position {
         boot_ms: 30_000,
         x: 363_160_000,
@@ -157,14 +159,7 @@ fn who_was_taken_over_while_its_new_mission_was_sent_is_not_on_it() {
             new: mission.items.len(),
             held: (mission.items.len(), 0),
         };
-        let beat = Heartbeat {
-            kind: 2,
-            autopilot: 3,
-            base_mode: 0b1000_1001,
-            custom_mode: 3,
-            system_status: 4,
-        };
-        let mut diversion = Diversion::new(onward, (VEHICLE, beat), Vec::new(), US, now);
+        let mut diversion = Diversion::new(onward, (VEHICLE, BEAT), Vec::new(), US, now);
         let until = now + 60_000;
         while diversion.outcome().is_none() && now < until {
             now = now + 20;

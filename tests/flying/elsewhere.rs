@@ -37,6 +37,23 @@ fn ordered(plan: &Planned, change: impl Fn(&mut Message) -> Option<Message> + 's
     sky
 }
 
+/// The acknowledgement of a list that system 254 has written.
+pub(super) fn acknowledged_to_another(mission_type: u8) -> Message {
+    let target = Address {
+        system: 254,
+        component: 190,
+    };
+    let body = Body::Ack {
+        result: MissionResult::ACCEPTED,
+        opaque_id: 0,
+    };
+    Message::Mission(MissionMessage {
+        target,
+        mission_type,
+        body,
+    })
+}
+
 #[test]
 fn a_return_is_not_ordered_where_home_was_moved_in_flight() {
     let plan = returning();
@@ -62,20 +79,8 @@ fn rally_points_or_a_fence_that_another_station_is_heard_to_write_are_an_alarm()
     let plan = returning();
     for (mission_type, what, returns) in [(2, "rally points", 0), (1, "fence", 1)] {
         let sky = ordered(&plan, move |message| {
-            let target = Address {
-                system: 254,
-                component: 190,
-            };
-            let body = Body::Ack {
-                result: MissionResult::ACCEPTED,
-                opaque_id: 0,
-            };
-            let ack = MissionMessage {
-                target,
-                mission_type,
-                body,
-            };
-            matches!(message, Message::Heartbeat(_)).then_some(Message::Mission(ack))
+            let is_beat = matches!(message, Message::Heartbeat(_));
+            is_beat.then(|| acknowledged_to_another(mission_type))
         });
         let text =
             format!("ALARM mission: acknowledged {what}, or that they were cleared, to system 254");

@@ -1,6 +1,7 @@
 //! Orders and starts at moments at which something else is under way.
 
-use super::flight_truth::{change, count, sky, two};
+use super::flight_truth::{count, sky, two};
+use super::ready_and_t0::refusals;
 use crate::support::sky::{Planned, Sky, lane, plan};
 use crate::support::{place, plane, world};
 use sortie::flight::*;
@@ -81,26 +82,11 @@ fn who_could_not_be_started_at_its_departure_stays_on_the_ground() {
 #[test]
 fn a_mission_that_is_cleared_before_the_start_starts_nobody() {
     for none in [0, u16::MAX] {
-        let plan = two();
-        let launch = Launch {
-            from: Time(90_000),
-            until: Time(120_000),
-        };
-        let fleet = plan.fleet_launched(false, true, Some(launch));
-        let mut sky = Sky::new(fleet, plan.vehicles());
-        let switch = change(&mut sky, move |_, message| {
+        let why = refusals(move |message| {
             if let Message::MissionCurrent { total, .. } = message {
                 *total = none;
             }
         });
-        while sky.now < Time(80_000) {
-            sky.step();
-        }
-        assert_eq!(sky.fleet.outcome(), None, "{:?}", sky.events);
-        switch.set(true);
-        let Outcome::NotStarted(why) = sky.fly_out() else {
-            panic!("{:?}", sky.events);
-        };
         let text = "its mission was cleared on board after it was read";
         assert!(why.iter().any(|(_, of)| of == text), "{why:?}");
     }

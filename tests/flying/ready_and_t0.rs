@@ -1,5 +1,6 @@
 //! What was found when a vehicle was checked may have changed before all of them start.
 
+use super::elsewhere::acknowledged_to_another;
 use super::flight_truth::{ARMED, change, two};
 use super::orders_and_ends::position;
 use crate::support::sky::Sky;
@@ -7,7 +8,7 @@ use sortie::flight::*;
 use sortie::link::*;
 
 /// Why nobody starts, where this happens to the messages of alpha from when it is ready until all are.
-fn refusals(happens: impl Fn(&mut Message) + 'static) -> Vec<(String, String)> {
+pub(super) fn refusals(happens: impl Fn(&mut Message) + 'static) -> Vec<(String, String)> {
     let plan = two();
     let launch = Launch {
         from: Time(90_000),
@@ -68,19 +69,7 @@ fn who_takes_a_list_from_another_station_meanwhile_starts_nobody() {
     for mission_type in [0, 1, 2] {
         let why = refusals(move |message| {
             if matches!(message, Message::Heartbeat(_)) {
-                let target = Address {
-                    system: 254,
-                    component: 190,
-                };
-                let body = Body::Ack {
-                    result: MissionResult::ACCEPTED,
-                    opaque_id: 0,
-                };
-                *message = Message::Mission(MissionMessage {
-                    target,
-                    mission_type,
-                    body,
-                });
+                *message = acknowledged_to_another(mission_type);
             }
         });
         assert!(

@@ -4,8 +4,7 @@ use crate::flight::launch::readiness;
 use crate::flight::record::Plan;
 use crate::flight::session::modes;
 use crate::link::{
-    Address, Body, Command, CommandResult, FlightMessage, Heartbeat, List, Message, MissionMessage,
-    MissionResult, as_line,
+    Address, Command, CommandResult, FlightMessage, Heartbeat, List, Message, as_line,
 };
 use crate::mission::{Home, VehicleMission};
 
@@ -71,18 +70,12 @@ impl Elsewhere {
                     self.ids[at] = known;
                 }
             }
-            Message::Mission(MissionMessage {
-                target,
-                mission_type,
-                body:
-                    Body::Ack {
-                        result: MissionResult::ACCEPTED,
-                        ..
-                    },
-            }) if flies && target.system != 0 && target.system != us.system => {
+            Message::Mission(message) if flies => {
+                let Some(system) = message.accepted_from_other(us) else {
+                    return;
+                };
                 for (at, (list, what)) in LISTS.iter().enumerate() {
-                    if *mission_type == list.mission_type() {
-                        let system = target.system;
+                    if message.mission_type == list.mission_type() {
                         self.lists[at] = Some(format!(
                             "acknowledged {what}, or that they were cleared, to system {system}"
                         ));
@@ -195,19 +188,9 @@ impl Onboard {
                 total, opaque_ids, ..
             } => self.current(t_s, *total, opaque_ids[0]),
             // It acknowledges what was written or cleared, not what was read.
-            Message::Mission(MissionMessage {
-                target,
-                mission_type,
-                body:
-                    Body::Ack {
-                        result: MissionResult::ACCEPTED,
-                        ..
-                    },
-            }) if target.system != 0
-                && target.system != us.system
-                && *mission_type == List::Mission.mission_type() =>
-            {
-                self.written_by = Some((target.system, t_s));
+            Message::Mission(message) if message.mission_type == List::Mission.mission_type() => {
+                let written_by = message.accepted_from_other(us);
+                self.written_by = written_by.map(|system| (system, t_s)).or(self.written_by);
             }
             Message::StatusText { text, .. } if explains(text) => {
                 self.cause = Some((format!("the vehicle itself: {}", as_line(text)), t_s));

@@ -187,9 +187,11 @@ impl Fleet<'_> {
             self.abandon(now, vec![(String::new(), why.to_owned())]);
         } else if waiting.is_empty() && self.arm_again(now, (until, again)) {
             // T0 is when those are armed again.
-        } else if waiting.is_empty() && !self.changed_since_checked().is_empty() {
-            self.abandon(now, self.changed_since_checked());
         } else if waiting.is_empty() {
+            let changed = self.changed_since_checked();
+            if !changed.is_empty() {
+                return self.abandon(now, changed);
+            }
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };
             self.say(now, None, BEGUN.to_owned());

@@ -5,9 +5,7 @@ use crate::autopilot::Autopilot;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
-use crate::link::{
-    Address, Body, Command, FlightMessage, Message, MissionMessage, MissionResult, Time,
-};
+use crate::link::{Address, Command, FlightMessage, Message, MissionMessage, Time};
 
 /// How long position and home are waited for, milliseconds.
 const REPORTING_MS: u64 = 60_000;
@@ -180,12 +178,7 @@ impl FlightVehicle<'_> {
             self.stage,
             Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed
         );
-        let is_done = |body: &Body| {
-            let result = MissionResult::ACCEPTED;
-            matches!(body, Body::Ack { result: found, .. } if *found == result)
-        };
-        let system = list.target.system;
-        if is_read && system != 0 && system != self.us.system && is_done(&list.body) {
+        if let Some(system) = list.accepted_from_other(self.us).filter(|_| is_read) {
             let why = format!(
                 "it acknowledged a mission, a fence or rally points to system {system} after they were read: run `sortie fly` again"
             );
