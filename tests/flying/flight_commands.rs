@@ -327,7 +327,7 @@ fn popup<'a>(flown: &'a Value, vehicle: &str) -> &'a Value {
 #[test]
 fn three_in_flight_meet_a_popup_threat_go_around_it_without_a_stop_and_one_is_not_touched() {
     let (folder, runs) = planned("three", THREE);
-    let mut flight = take_off(folder.path(), "three.yaml", "8");
+    let mut flight = take_off(folder.path(), "three.yaml", "4");
     wait_for(&runs, "alpha", 30.0);
     let links = json(&runs.join("links.json"));
     let charlie = links["links"]["charlie"].as_str().expect("its address");
@@ -365,6 +365,13 @@ fn three_in_flight_meet_a_popup_threat_go_around_it_without_a_stop_and_one_is_no
     let flown = json(&runs.join("flight.json"));
     assert_eq!(flown["verdict"], "pass", "{flown:#}");
     assert!(status.success(), "{status}");
+    let alarms = flown["alarms"].as_array().expect("alarms");
+    let of_lists = |alarm: &&Value| {
+        let text = alarm["text"].as_str();
+        text.is_some_and(|text| text.contains("on board"))
+    };
+    // Its fence is sent again.
+    assert_eq!(alarms.iter().find(of_lists), None);
     let text = std::fs::read_to_string(runs.join("flight.jsonl")).expect("the record");
     let lines: Vec<Value> = text
         .lines()

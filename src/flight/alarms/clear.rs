@@ -140,7 +140,7 @@ impl Alarms<'_> {
         let Some(return_amsl) = of.vehicle.return_amsl else {
             return Some("no return_amsl_m is given".to_owned());
         };
-        if let Some(why) = of.onboard.returns_elsewhere() {
+        if let Some(why) = of.onboard.returns_elsewhere(t_s) {
             return Some(why);
         }
         let ends = self.return_ends(of, &here, return_amsl);

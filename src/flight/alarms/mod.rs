@@ -453,7 +453,7 @@ impl<'a> Alarms<'a> {
         let no_estimate = health.estimate_silence().filter(|_| estimate_due);
         let no_gps = health.gps_silence().filter(|_| gps_due);
         let mission = of.onboard.mission(t_s).filter(|_| flies);
-        let others = of.onboard.others().map(|text| text.filter(|_| flies));
+        let others = of.onboard.others(t_s).map(|text| text.filter(|_| flies));
         let [home, rally, lists] = others.map(|text| text.map(str::to_owned));
         let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);

@@ -18,6 +18,9 @@ const HEARD_OF_S: f64 = 1.0;
 /// What is on board may say more about what was written, seconds.
 const WRITTEN_S: f64 = 1.5;
 
+/// Its fence and rally points are sent after a new mission, and are all on board after this time, seconds.
+const SENT_S: f64 = 60.0;
+
 /// Home moves by less than this where an autopilot gets a better position, metres.
 const HOME_MOVES_M: f64 = 15.0;
 
@@ -27,15 +30,36 @@ struct Elsewhere {
     /// Home as it was said last before the flight, and what it is now if that is another place.
     home: Option<Home>,
     moved: Option<String>,
-    /// The ids of the fence and of the rally points, and what was heard of them.
+    /// The ids of the fence and of the rally points, and since when they are others, seconds after T0.
     ids: [Option<u32>; 2],
+    others_s: [Option<f64>; 2],
+    /// What was heard of them otherwise.
     lists: [Option<String>; 2],
 }
 
-const LISTS: [(List, &str); 2] = [(List::Fence, "fence"), (List::Rally, "rally points")];
+/// Lists, their names, and what is said of one with another id.
+const LISTS: [(List, &str, &str); 2] = [
+    (
+        List::Fence,
+        "fence",
+        "the fence on board is another one (its id changed)",
+    ),
+    (
+        List::Rally,
+        "rally points",
+        "the rally points on board are others (their id changed)",
+    ),
+];
 
 impl Elsewhere {
-    fn handle(&mut self, message: &Message, us: Address, mission: &VehicleMission, flies: bool) {
+    /// A list has the id that it has now where a `replan` sends it again (`is_sent`).
+    fn handle(
+        &mut self,
+        t_s: f64,
+        message: &Message,
+        (us, mission): (Address, &VehicleMission),
+        (flies, is_sent): (bool, bool),
+    ) {
         if !flies {
             (self.moved, self.lists) = (None, [None, None]);
         }
@@ -59,14 +83,14 @@ impl Elsewhere {
             }
             Message::MissionCurrent { opaque_ids, .. } => {
                 let has_ids = opaque_ids.iter().any(|id| *id != 0);
-                for (at, (_, what)) in LISTS.iter().enumerate() {
+                for at in 0..LISTS.len() {
                     // One that says no id at all says 0 of each.
                     let id = Some(opaque_ids[at + 1]).filter(|_| has_ids);
-                    let known = self.ids[at].filter(|_| flies).or(id);
-                    if id.is_some() && id != known {
-                        let text = format!("the {what} on board are others (their id changed)");
-                        self.lists[at].get_or_insert(text);
-                    }
+                    let is_learnt = !flies || is_sent;
+                    let known = self.ids[at].filter(|_| !is_learnt).or(id);
+                    let is_other = id.is_some() && id != known;
+                    let since_s = self.others_s[at].unwrap_or(t_s);
+                    self.others_s[at] = is_other.then_some(since_s);
                     self.ids[at] = known;
                 }
             }
@@ -74,7 +98,7 @@ impl Elsewhere {
                 let Some(system) = message.accepted_from_other(us) else {
                     return;
                 };
-                for (at, (list, what)) in LISTS.iter().enumerate() {
+                for (at, (list, what, _)) in LISTS.iter().enumerate() {
                     if message.mission_type == list.mission_type() {
                         self.lists[at] = Some(format!(
                             "acknowledged {what}, or that they were cleared, to system {system}"
@@ -84,6 +108,15 @@ impl Elsewhere {
             }
             _ => {}
         }
+    }
+}
+
+impl Elsewhere {
+    /// What is wrong with a list, by its place in [`LISTS`].
+    fn list(&self, at: usize, t_s: f64) -> Option<&str> {
+        let is_other = self.others_s[at].is_some_and(|since_s| t_s - since_s >= HEARD_OF_S);
+        let by_id = is_other.then_some(LISTS[at].2);
+        self.lists[at].as_deref().or(by_id)
     }
 }
 
@@ -111,6 +144,8 @@ pub(super) struct Onboard {
     written_by: Option<(u8, f64)>,
     /// Where else it may return to.
     elsewhere: Elsewhere,
+    /// When another plan was last under way to it, seconds after T0.
+    sent_s: f64,
     beat: Option<Heartbeat>,
     /// Whether it was in its mission, and the name of the mode after it.
     was_in_mission: bool,
@@ -133,6 +168,7 @@ impl Onboard {
             differs: None,
             written_by: None,
             elsewhere: Elsewhere::default(),
+            sent_s: f64::NEG_INFINITY,
             beat: None,
             was_in_mission: false,
             cause: None,
@@ -181,7 +217,12 @@ impl Onboard {
             (self.total, self.id, self.differs) = (None, None, None);
             self.written_by = None;
         }
-        self.elsewhere.handle(message, us, mission, flies);
+        if self.next.is_some() {
+            self.sent_s = t_s;
+        }
+        let is_sent = t_s - self.sent_s < SENT_S;
+        self.elsewhere
+            .handle(t_s, message, (us, mission), (flies, is_sent));
         match message {
             Message::Heartbeat(beat) => self.beat(t_s, *beat, mission),
             Message::MissionCurrent {
@@ -284,14 +325,14 @@ impl Onboard {
     }
 
     /// What is heard to be other than planned of home, of the rally points and of the fence.
-    pub(super) fn others(&self) -> [Option<&str>; 3] {
-        let [fence, rally] = &self.elsewhere.lists;
-        [&self.elsewhere.moved, rally, fence].map(Option::as_deref)
+    pub(super) fn others(&self, t_s: f64) -> [Option<&str>; 3] {
+        let of = &self.elsewhere;
+        [of.moved.as_deref(), of.list(1, t_s), of.list(0, t_s)]
     }
 
     /// Why it may return to another place than planned.
-    pub(super) fn returns_elsewhere(&self) -> Option<String> {
-        let [home, rally, _] = self.others();
+    pub(super) fn returns_elsewhere(&self, t_s: f64) -> Option<String> {
+        let [home, rally, _] = self.others(t_s);
         let why = home.or(rally)?;
         Some(format!("{why}: where it would return to is not known"))
     }
