@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use super::flight_truth::{count, sky};
-use crate::support::sky::{Planned, Sky, lane, plan};
+use crate::support::sky::{Planned, Sky, US, lane, plan};
 use sortie::geodesy::Amsl;
 use sortie::link::*;
 use sortie::simulator::Fault;
@@ -39,10 +39,11 @@ fn ordered(plan: &Planned, change: impl Fn(&mut Message) -> Option<Message> + 's
 
 /// The acknowledgement of a list that system 254 has written.
 pub(super) fn acknowledged_to_another(mission_type: u8) -> Message {
-    let target = Address {
-        system: 254,
-        component: 190,
-    };
+    let (system, component) = (254, 190);
+    acknowledged_to(Address { system, component }, mission_type)
+}
+
+fn acknowledged_to(target: Address, mission_type: u8) -> Message {
     let body = Body::Ack {
         result: MissionResult::ACCEPTED,
         opaque_id: 0,
@@ -77,13 +78,22 @@ fn a_return_is_not_ordered_where_home_was_moved_in_flight() {
 #[test]
 fn rally_points_or_a_fence_that_another_station_is_heard_to_write_are_an_alarm() {
     let plan = returning();
-    for (mission_type, what, returns) in [(2, "rally points", 0), (1, "fence", 1)] {
+    // One is another Sortie, which has our system id and another component id.
+    let station = |system, component| Address { system, component };
+    let cases = [
+        (station(254, 190), 2, "rally points", 0),
+        (station(254, 190), 1, "fence", 1),
+        (station(US.system, US.component - 1), 2, "rally points", 0),
+    ];
+    for (station, mission_type, what, returns) in cases {
         let sky = ordered(&plan, move |message| {
             let is_beat = matches!(message, Message::Heartbeat(_));
-            is_beat.then(|| acknowledged_to_another(mission_type))
+            is_beat.then(|| acknowledged_to(station, mission_type))
         });
-        let text =
-            format!("ALARM mission: acknowledged {what}, or that they were cleared, to system 254");
+        let system = station.system;
+        let text = format!(
+            "ALARM mission: acknowledged {what}, or that they were cleared, to system {system}"
+        );
         assert_eq!(count(&sky, "alpha", &text), 1, "{:?}", sky.events);
         let ordered = count(&sky, "alpha", "is ordered to return");
         assert_eq!(ordered, returns, "{:?}", sky.events);

@@ -1,5 +1,8 @@
 //! A record of a flight that nobody can have flown does not pass, however well it fits its plan.
 
+use std::collections::VecDeque;
+
+use super::flight_truth::{sky as sky_of, two};
 use crate::support::{doctored, sky};
 use doctored::{failed, moved, says};
 use sky::{Sky, plan_shipped};
@@ -109,4 +112,33 @@ fn a_vehicle_whose_clock_slips_behind_that_of_the_fleet_was_not_silent() {
         flown.fixes.drain(half..half + 40);
     });
     assert!(says(&holed, "alpha", gap), "{holed:?}");
+}
+
+#[test]
+fn positions_over_a_link_that_gets_slower_are_of_the_time_at_which_they_were_measured() {
+    let plan = two();
+    let mut sky = sky_of(&plan);
+    let mut waiting = VecDeque::new();
+    sky.down = Some(Box::new(move |now, from, message| {
+        // Vehicle 1 is heard later and later, up to 4 s, and on.
+        let late_ms = 4000.min(now.0.saturating_sub(20_000) / 5);
+        if from.system != 1 {
+            return vec![(from, message)];
+        }
+        waiting.push_back((now + late_ms, from, message));
+        let due = waiting.partition_point(|(at, ..)| *at <= now);
+        waiting
+            .drain(..due)
+            .map(|(_, from, message)| (from, message))
+            .collect()
+    }));
+    sky.fly_to(90.0);
+    for (vehicle, flown) in sky.fleet.flown() {
+        let since_boot_s = |fix: &Fix| f64::from(fix.boot_ms.unwrap_or(0)) / 1000.0 - fix.t_s;
+        let first_s = since_boot_s(&flown.fixes[0]);
+        let off_s = flown.fixes.iter().map(|fix| since_boot_s(fix) - first_s);
+        let most_s = off_s.fold(0.0, |most: f64, off_s| most.max(off_s.abs()));
+        assert!(most_s < 0.1, "{vehicle}: {most_s} s");
+        assert!(flown.fixes.len() > 300, "{vehicle}: {}", flown.fixes.len());
+    }
 }

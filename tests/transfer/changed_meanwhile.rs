@@ -6,7 +6,7 @@ use crate::support::{lossy_link, transfers};
 use lossy_link::CLEAR;
 use sortie::link::*;
 use sortie::simulator::Profile;
-use transfers::STRANGER;
+use transfers::{STRANGER, US};
 
 #[test]
 fn a_fence_that_another_station_clears_unheard_is_found_at_the_end_and_put_back() {
@@ -41,6 +41,11 @@ fn a_list_that_another_station_is_heard_to_change_is_changed_by_it_and_not_verif
         let mission = mission(profile, 20);
         let item = mission.items[1];
         let to_it = |body| (STRANGER, say(VEHICLE, List::Fence, body));
+        // One with our system id is another Sortie.
+        let twin = Address {
+            component: US.component - 1,
+            ..US
+        };
         let count = Body::Count {
             count: 4,
             opaque_id: 0,
@@ -56,6 +61,11 @@ fn a_list_that_another_station_is_heard_to_change_is_changed_by_it_and_not_verif
             to_it(count),
             to_it(row),
             (VEHICLE, accepted),
+            (twin, say(VEHICLE, List::Fence, Body::ClearAll)),
+            (
+                VEHICLE,
+                say(twin, List::Fence, ack(MissionResult::ACCEPTED)),
+            ),
         ];
         for (name, message) in heard {
             let mut scene = Scene::new(11, CLEAR, vehicle(profile), &mission);
@@ -64,8 +74,14 @@ fn a_list_that_another_station_is_heard_to_change_is_changed_by_it_and_not_verif
             let Verdict::Failed(failure) = &report.verdict else {
                 panic!("{profile:?} {message:?} {report:?}")
             };
-            let text = "fence: changed by system 255 during the transfer; upload again while no \
-                        other station writes to the vehicle";
+            let system = match &message {
+                Message::Mission(sent) if name == VEHICLE => sent.target.system,
+                _ => name.system,
+            };
+            let text = format!(
+                "fence: changed by system {system} during the transfer; upload again while no \
+                 other station writes to the vehicle"
+            );
             assert_eq!(failure.to_string(), text, "{profile:?} {message:?}");
             assert_eq!(report.hash, "");
         }

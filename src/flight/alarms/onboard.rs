@@ -95,7 +95,8 @@ impl Elsewhere {
                 }
             }
             Message::Mission(message) if flies => {
-                let Some(system) = message.accepted_from_other(us) else {
+                let system = message.accepted_from_other(us);
+                let Some(system) = system.filter(|_| !is_sent) else {
                     return;
                 };
                 for (at, (list, what, _)) in LISTS.iter().enumerate() {
@@ -240,7 +241,7 @@ impl Onboard {
                 target,
                 command,
                 result: CommandResult::ACCEPTED,
-            }) if target.system != 0 && target.system != us.system && changes_mode(*command) => {
+            }) if target.system != 0 && !target.reaches(us) && changes_mode(*command) => {
                 let (system, by) = (target.system, "ordered by system");
                 self.cause = Some((format!("{by} {system}"), t_s));
             }

@@ -6,19 +6,25 @@ const WINDOW_MS: f64 = 10_000.0;
 /// clock that jumped, or wrong, milliseconds.
 const BACK_MS: f64 = 1000.0;
 const AHEAD_MS: f64 = 2000.0;
+/// A vehicle whose answers are this far from its stamps stamps them with another clock, milliseconds.
+const OTHER_CLOCK_MS: f64 = 30_000.0;
 /// This number of them in a row that go on from one another are of a clock that jumped.
 const JUMPED: u8 = 3;
 
 /// Where a vehicle's time since boot lies on the fleet's clock.
 ///
 /// A position is stamped when it is measured and arrives later. The quickest of the
-/// last messages shows the difference best: the others were only late.
+/// last messages shows the difference best: the others were only late. A link that gets slower looks
+/// as a clock that runs slow: answers to `TIMESYNC`, stamped after they were asked for, tell them apart.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Offset {
     /// Least differences of this window and of the one before it, and when this one began. Messages that waited
     /// while nobody read them come at once, in one window.
     least_ms: [Option<f64>; 2],
     began_ms: f64,
+    /// The difference that was used last, and when an answer said what it is at least.
+    used_ms: Option<f64>,
+    answered_ms: Option<f64>,
     /// The last stamp that was taken, and when it arrived.
     last_ms: Option<(f64, f64)>,
     /// The last of those that are off, and how many there are in a row.
@@ -50,6 +56,7 @@ impl Offset {
                 return None;
             }
             (self.least_ms, self.began_ms) = ([None, None], arrived_ms);
+            (self.used_ms, self.answered_ms) = (None, None);
             self.last_ms
                 .map(|(before_ms, at_ms)| (boot_ms - before_ms - (arrived_ms - at_ms)) / 1000.0)
         } else {
@@ -61,12 +68,22 @@ impl Offset {
         Some(Aligned { at_ms, jump_s })
     }
 
+    /// Takes in the vehicle's time in an answer to what was sent to it at `sent_ms` of the fleet's clock.
+    pub(crate) fn answered(&mut self, boot_ms: f64, sent_ms: f64, arrived_ms: f64) {
+        let Some(used_ms) = self.used_ms else { return };
+        let is_same_clock = (arrived_ms - boot_ms - used_ms).abs() <= OTHER_CLOCK_MS;
+        if is_same_clock && sent_ms <= arrived_ms {
+            self.used_ms = Some(used_ms.max(sent_ms - boot_ms));
+            self.answered_ms = Some(arrived_ms);
+        }
+    }
+
     fn is_off(&self, boot_ms: f64, arrived_ms: f64) -> bool {
         let is_back = self
             .last_ms
             .is_some_and(|(before_ms, _)| before_ms - boot_ms > BACK_MS);
-        let least_ms = self.least_ms.iter().flatten().copied().reduce(f64::min);
-        is_back || least_ms.is_some_and(|least_ms| least_ms - (arrived_ms - boot_ms) > AHEAD_MS)
+        let is_ahead = |used_ms: f64| used_ms - (arrived_ms - boot_ms) > AHEAD_MS;
+        is_back || self.used_ms.is_some_and(is_ahead)
     }
 
     fn take(&mut self, boot_ms: f64, arrived_ms: f64) -> f64 {
@@ -76,7 +93,15 @@ impl Offset {
         let found = arrived_ms - boot_ms;
         let least = self.least_ms[0].map_or(found, |least| least.min(found));
         self.least_ms[0] = Some(least);
-        boot_ms + self.least_ms[1].map_or(least, |before| before.min(least))
+        let is_answered = self
+            .answered_ms
+            .is_some_and(|at_ms| arrived_ms - at_ms < WINDOW_MS);
+        let used = match self.used_ms.filter(|_| is_answered) {
+            Some(used) => used.min(found),
+            None => self.least_ms[1].map_or(least, |before| before.min(least)),
+        };
+        self.used_ms = Some(used);
+        boot_ms + used
     }
 }
 
@@ -101,6 +126,53 @@ mod tests {
             at(&mut offset, boot, boot + 4100.0);
         }
         assert!((at(&mut offset, 101_400.0, 105_500.0) - 105_500.0).abs() < 1e-9);
+    }
+
+    /// Positions of a minute, 5 a second, each late by what `late_ms` says, and an answer every 2 s; the clock
+    /// goes at `rate`. By how much the last is off, milliseconds.
+    fn off_after_a_minute(
+        late_ms: impl Fn(f64) -> f64,
+        rate: f64,
+        answer: impl Fn(f64) -> Option<f64>,
+    ) -> f64 {
+        let mut offset = Offset::default();
+        let mut off_ms = f64::NAN;
+        for step in 0..300 {
+            let sent_ms = 200.0 * f64::from(step);
+            let boot_ms = 1_000_000.0 + rate * sent_ms;
+            let arrived_ms = sent_ms + late_ms(sent_ms);
+            if let Some(answer_ms) = answer(boot_ms).filter(|_| step % 10 == 9) {
+                offset.answered(answer_ms, sent_ms - 20.0, arrived_ms);
+            }
+            let aligned = offset.align(boot_ms, arrived_ms).expect("no jump");
+            assert_eq!(aligned.jump_s, None);
+            off_ms = aligned.at_ms - sent_ms;
+        }
+        off_ms
+    }
+
+    #[test]
+    fn a_link_that_gets_slower_is_not_taken_for_a_slow_clock_by_one_that_answers() {
+        // Later by up to 5 s from 10 s on, and in time again from 50 s on.
+        let slower = |sent_ms: f64| match sent_ms {
+            ..50_000.0 => 30.0 + ((sent_ms - 10_000.0) * 0.2).clamp(0.0, 5000.0),
+            _ => 30.0,
+        };
+        let off_ms = off_after_a_minute(slower, 1.0, Some);
+        assert!((off_ms - 30.0).abs() < 1.0, "{off_ms}");
+        let stays = |sent_ms: f64| if sent_ms < 10_000.0 { 30.0 } else { 5000.0 };
+        let off_ms = off_after_a_minute(stays, 1.0, Some);
+        assert!((off_ms - 30.0).abs() < 1.0, "{off_ms}");
+        // Without an answer, or with that of another clock, it cannot be told apart.
+        for answer in [|_| None, |_| Some(1.7e12)] {
+            let off_ms = off_after_a_minute(stays, 1.0, answer);
+            assert!((off_ms - 5000.0).abs() < 1.0, "{off_ms}");
+        }
+        // Clocks that run slow and fast are followed all the same.
+        for rate in [0.9, 0.999, 1.001, 1.1] {
+            let off_ms = off_after_a_minute(|_| 30.0, rate, Some);
+            assert!((-200.0..250.0).contains(&off_ms), "{rate} {off_ms}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A vehicle in flight is given another mission and goes on with it, without a stop.
 
-use super::command::pending::{Answer, PendingCommand, is_for};
+use super::command::pending::{Answer, PendingCommand};
 use super::command::set_current::Setting;
 use super::modes;
 use crate::flight::conformance::leg::leg_at;
@@ -127,7 +127,7 @@ impl<'a> Diversion<'a> {
                 target,
                 command,
                 result,
-            }) if is_for(self.us, *target) => {
+            }) if target.reaches(self.us) => {
                 if let Some(pending) = &mut self.pending {
                     pending.answered(now, *command, *result);
                 }
@@ -146,7 +146,7 @@ impl<'a> Diversion<'a> {
                         result: MissionResult::ACCEPTED,
                         ..
                     },
-            }) if is_for(self.us, *target) => self.has_the_mission(now),
+            }) if target.reaches(self.us) => self.has_the_mission(now),
             _ => {}
         }
     }

@@ -34,6 +34,12 @@ pub(super) trait Fields {
         *value = i32::from_le_bytes(bytes);
     }
 
+    fn i64(&mut self, value: &mut i64) {
+        let mut bytes = value.to_le_bytes();
+        self.bytes(&mut bytes);
+        *value = i64::from_le_bytes(bytes);
+    }
+
     fn f32(&mut self, value: &mut f32) {
         let mut bytes = value.to_le_bytes();
         self.bytes(&mut bytes);

@@ -46,6 +46,15 @@ pub enum FlightMessage {
         /// Which.
         seq: u16,
     },
+    /// `TIMESYNC` (111): a question, or the answer to it.
+    TimeSync {
+        /// The receiver.
+        target: Address,
+        /// The time of who answers, nanoseconds; 0 asks for it.
+        answer_ns: i64,
+        /// That of who asked.
+        asked_ns: i64,
+    },
     /// `CAMERA_TRIGGER` (112): PX4 has taken a picture.
     CameraTrigger {
         /// Its number.

@@ -22,6 +22,7 @@ pub(super) const MISSION_ITEM_INT: u32 = 73;
 pub(super) const COMMAND_INT: u32 = 75;
 pub(super) const COMMAND_LONG: u32 = 76;
 pub(super) const COMMAND_ACK: u32 = 77;
+pub(super) const TIMESYNC: u32 = 111;
 pub(super) const CAMERA_TRIGGER: u32 = 112;
 pub(super) const BATTERY_STATUS: u32 = 147;
 pub(super) const AUTOPILOT_VERSION: u32 = 148;
@@ -55,6 +56,7 @@ pub(crate) fn length_1(id: u32) -> u8 {
         ESTIMATOR_STATUS => 42,
         COMMAND_LONG => 33,
         CAMERA_TRIGGER => 12,
+        TIMESYNC => 16,
         CAMERA_FEEDBACK => 45,
         MISSION_ITEM | MISSION_ITEM_INT => 37,
         STATUSTEXT => 51,

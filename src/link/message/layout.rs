@@ -156,6 +156,15 @@ fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) 
             fields.address(target);
         }
         FlightMessage::ItemReached { seq } => fields.u16(seq),
+        FlightMessage::TimeSync {
+            target,
+            answer_ns,
+            asked_ns,
+        } => {
+            fields.i64(answer_ns);
+            fields.i64(asked_ns);
+            fields.address(target);
+        }
         FlightMessage::CameraTrigger { seq } => {
             fields.unused(&[0; 8]);
             fields.u32(seq);

@@ -173,13 +173,14 @@ pub struct MissionMessage {
 }
 
 impl MissionMessage {
-    /// The other system whose list, or order to clear one, it acknowledges: somebody has changed what is on board.
+    /// The system of another station whose list, or order to clear one, it acknowledges: somebody has changed what is
+    /// on board.
     #[must_use]
     pub fn accepted_from_other(&self, us: Address) -> Option<u8> {
         let accepted = MissionResult::ACCEPTED;
         let is_accepted = matches!(self.body, Body::Ack { result, .. } if result == accepted);
         let system = self.target.system;
-        (is_accepted && system != 0 && system != us.system).then_some(system)
+        (is_accepted && system != 0 && !self.target.reaches(us)).then_some(system)
     }
 }
 

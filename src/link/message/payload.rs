@@ -57,6 +57,7 @@ fn id_of(message: &Message) -> u32 {
             FlightMessage::SetMode { .. } => id::SET_MODE,
             FlightMessage::SetCurrent { .. } => id::MISSION_SET_CURRENT,
             FlightMessage::ItemReached { .. } => id::MISSION_ITEM_REACHED,
+            FlightMessage::TimeSync { .. } => id::TIMESYNC,
             FlightMessage::CameraTrigger { .. } => id::CAMERA_TRIGGER,
             FlightMessage::CameraFeedback { .. } => id::CAMERA_FEEDBACK,
             FlightMessage::Position(_) => id::GLOBAL_POSITION_INT,
@@ -145,6 +146,11 @@ fn blank_flight(id: u32) -> Option<FlightMessage> {
         },
         id::MISSION_SET_CURRENT => FlightMessage::SetCurrent { target, seq: 0 },
         id::MISSION_ITEM_REACHED => FlightMessage::ItemReached { seq: 0 },
+        id::TIMESYNC => FlightMessage::TimeSync {
+            target,
+            answer_ns: 0,
+            asked_ns: 0,
+        },
         id::CAMERA_TRIGGER => FlightMessage::CameraTrigger { seq: 0 },
         id::CAMERA_FEEDBACK => FlightMessage::CameraFeedback {
             index: 0,

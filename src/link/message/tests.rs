@@ -40,6 +40,11 @@ fn all() -> Vec<FlightMessage> {
             seq: 300,
         },
         FlightMessage::ItemReached { seq: 300 },
+        FlightMessage::TimeSync {
+            target: TARGET,
+            answer_ns: 70_001_000_000_000,
+            asked_ns: -5,
+        },
         FlightMessage::CameraTrigger { seq: 70_000 },
         FlightMessage::CameraFeedback {
             index: 7,
@@ -103,8 +108,10 @@ fn every_message_comes_back_as_it_was_in_both_versions() {
     for version in [Version::One, Version::Two] {
         for message in all() {
             let mut expected = message.clone();
-            if let (Version::One, FlightMessage::CommandAck { target, .. }) =
-                (version, &mut expected)
+            if let (
+                Version::One,
+                FlightMessage::CommandAck { target, .. } | FlightMessage::TimeSync { target, .. },
+            ) = (version, &mut expected)
             {
                 // An extension of MAVLink 2.
                 *target = Address {
@@ -147,6 +154,7 @@ fn the_fields_are_where_the_dialect_has_them() {
             "SET_MODE" => &["custom_mode: 67305985", "target_system: 7"],
             "MISSION_SET_CURRENT" => &["seq: 300", "target_system: 7"],
             "MISSION_ITEM_REACHED" => &["seq: 300"],
+            "TIMESYNC" => &["tc1: 70001000000000", "ts1: -5", "target_system: 7"],
             "CAMERA_TRIGGER" => &["seq: 70000"],
             "CAMERA_FEEDBACK" => &[
                 "lat: 363000000",

@@ -37,6 +37,15 @@ impl Vehicle {
                 self.set_mode(*custom_mode);
                 self.report();
             }
+            FlightMessage::TimeSync {
+                target,
+                answer_ns: 0,
+                asked_ns,
+            } if is_ours(target) => self.tell(FlightMessage::TimeSync {
+                target: from,
+                answer_ns: i64::from(self.boot_ms(now)) * 1_000_000,
+                asked_ns: *asked_ns,
+            }),
             FlightMessage::SetCurrent { target, seq } if is_ours(target) => {
                 let is_idle = matches!(self.transfer, Transfer::Idle);
                 if self.profile == Profile::Px4 && !is_idle {

@@ -103,13 +103,18 @@ impl Vehicle {
         });
     }
 
+    /// Its time since it began to run, milliseconds.
+    pub(crate) fn boot_ms(&self, now: Time) -> u32 {
+        u32::try_from(RUNS_SINCE_MS + now.0).unwrap_or(u32::MAX)
+    }
+
     pub(crate) fn tell_position(&mut self, now: Time) {
         let (Some(pilot), Some(home)) = (&self.pilot, self.home) else {
             return;
         };
         let (place, amsl_m, [east, north, up]) = pilot.position(self.faults.off_m);
         let mut position = Position {
-            boot_ms: u32::try_from(RUNS_SINCE_MS + now.0).unwrap_or(u32::MAX),
+            boot_ms: self.boot_ms(now),
             x: degrees(place.lat_deg),
             y: degrees(place.lon_deg),
             amsl_mm: millimetres(amsl_m),

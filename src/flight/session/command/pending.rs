@@ -28,11 +28,6 @@ pub(crate) enum Answer {
     Silence,
 }
 
-/// Whether an answer to `target` is an answer to us. 0 names nobody.
-pub(crate) fn is_for(us: Address, target: Address) -> bool {
-    [0, us.system].contains(&target.system) && [0, us.component].contains(&target.component)
-}
-
 impl PendingCommand {
     pub(crate) fn new(target: Address, order: Command, now: Time) -> Self {
         Self {

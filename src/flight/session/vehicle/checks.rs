@@ -192,6 +192,8 @@ impl FlightVehicle<'_> {
             return;
         }
         self.requested = now;
+        let question = self.time_question(now, target);
+        self.outbox.push_back(question);
         let lacks_version = self.lacks_version();
         let autopilot = self.autopilot();
         let mut ask = |order| {

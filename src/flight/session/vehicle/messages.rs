@@ -4,7 +4,6 @@ use super::{FlightVehicle, Stage};
 use crate::autopilot::Version;
 use crate::flight::event::says;
 use crate::flight::record::Fix;
-use crate::flight::session::command::pending::is_for;
 use crate::flight::session::modes;
 use crate::link::{
     AUTOPILOT_INVALID, Address, CommandResult, FlightMessage, Heartbeat, Message, Position, Time,
@@ -19,7 +18,20 @@ const AWAY_M: f64 = 150.0;
 /// by its altitude, metres: both drift on the ground.
 const STARTED_M: f64 = 5.0;
 
+/// Nanoseconds in a millisecond. Questions for the time are in whole ones, and our component id.
+const NS_IN_MS: i64 = 1_000_000;
+
 impl FlightVehicle<'_> {
+    /// Asks for its time.
+    pub(super) fn time_question(&self, now: Time, target: Address) -> Message {
+        let now_ms = i64::try_from(now.0).unwrap_or_default();
+        Message::Flight(FlightMessage::TimeSync {
+            target,
+            answer_ns: 0,
+            asked_ns: now_ms.saturating_mul(NS_IN_MS) + i64::from(self.us.component),
+        })
+    }
+
     /// Takes in a message of this vehicle. `flight_ms` is the fleet's clock, `t0_ms` its T0.
     pub(crate) fn handle(
         &mut self,
@@ -147,13 +159,20 @@ impl FlightVehicle<'_> {
                 self.motors.height.take_landed(*state, now);
                 self.heed_word(None);
             }
+            FlightMessage::TimeSync {
+                target,
+                answer_ns,
+                asked_ns,
+            } if target.reaches(self.us) && *answer_ns != 0 => {
+                self.answered((now, flight_ms), *answer_ns, *asked_ns);
+            }
             FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
             FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
             FlightMessage::CommandAck {
                 target,
                 command,
                 result,
-            } if is_for(self.us, *target) => {
+            } if target.reaches(self.us) => {
                 if *result == CommandResult::ACCEPTED {
                     self.heed_accepted(*command);
                 }
@@ -172,6 +191,28 @@ impl FlightVehicle<'_> {
             }
             _ => {}
         }
+    }
+
+    /// It has answered what its time was after we asked for it.
+    fn answered(&mut self, (now, flight_ms): (Time, f64), answer_ns: i64, asked_ns: i64) {
+        let is_ours = asked_ns.rem_euclid(NS_IN_MS) == i64::from(self.us.component);
+        let now_ms = i64::try_from(now.0).unwrap_or(i64::MAX);
+        let asked_ms = asked_ns.div_euclid(NS_IN_MS);
+        if !is_ours || !(0..=now_ms).contains(&asked_ms) || now_ms == 0 {
+            return;
+        }
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "milliseconds of one flight, and since boot"
+        )]
+        let [asked_ms, now_ms, boot_ms] = [
+            asked_ms as f64,
+            now_ms as f64,
+            answer_ns as f64 / NS_IN_MS as f64,
+        ];
+        // The fleet's clock goes evenly.
+        let sent_ms = flight_ms * (asked_ms / now_ms);
+        self.offset.answered(boot_ms, sent_ms, flight_ms);
     }
 
     /// It has taken a picture; of many along the way every tenth is said.

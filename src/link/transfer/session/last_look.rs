@@ -61,7 +61,7 @@ impl Session<'_> {
         if matches!(self.stage, Stage::Discovery(_)) || self.foreign.0.is_some() {
             return;
         }
-        let is_stranger = |of: Address| ![vehicle.system, self.us.system, 0].contains(&of.system);
+        let is_stranger = |of: Address| of != vehicle && of.system != 0 && !of.reaches(self.us);
         let station = match message.body {
             Body::Count { .. } | Body::Item { .. } | Body::ItemInt { .. } | Body::ClearAll => from,
             Body::Ack {
