@@ -415,6 +415,11 @@ fn a_flood_of_texts_is_bounded_and_counted_and_errors_come_through() {
             text: text.to_owned(),
         };
         let mut heard = vec![(from, text(6, "noise")); 100];
+        // Two cameras that each count their own.
+        for number in [1, 2] {
+            let seen = FlightMessage::CameraTrigger { seq: number };
+            heard.push((from, Message::Flight(seen)));
+        }
         if errors.get() == 3 {
             heard.push((from, text(2, "EKF variance")));
         }
@@ -425,6 +430,8 @@ fn a_flood_of_texts_is_bounded_and_counted_and_errors_come_through() {
     sky.fly_to(60.0);
     let noise = count(&sky, "says: noise");
     assert!((40..=240).contains(&noise), "{noise}");
+    let pictures = count(&sky, "picture ");
+    assert!((40..=240).contains(&pictures), "{pictures}");
     assert_eq!(count(&sky, "EKF variance"), 1);
     assert!(count(&sky, "more texts are not recorded (at most 20 in 10 s)") >= 2);
 }

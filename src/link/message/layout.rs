@@ -165,6 +165,23 @@ fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) 
             fields.i64(asked_ns);
             fields.address(target);
         }
+        FlightMessage::CameraTrigger { .. } | FlightMessage::CameraFeedback { .. } => {
+            camera_layout(message, fields);
+        }
+        FlightMessage::Position(position) => position_layout(position, fields),
+        FlightMessage::Health(health) => health.layout(fields),
+        FlightMessage::Landed(state) => {
+            fields.unused(&[0]);
+            fields.u8(&mut state.0);
+        }
+        FlightMessage::ParamRead { .. }
+        | FlightMessage::ParamSet { .. }
+        | FlightMessage::Param { .. } => param_layout(message, fields),
+    }
+}
+
+fn camera_layout(message: &mut FlightMessage, fields: &mut dyn Fields) {
+    match message {
         FlightMessage::CameraTrigger { seq } => {
             fields.unused(&[0; 8]);
             fields.u32(seq);
@@ -183,15 +200,7 @@ fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) 
             fields.u16(index);
             fields.unused(&[0; 3]);
         }
-        FlightMessage::Position(position) => position_layout(position, fields),
-        FlightMessage::Health(health) => health.layout(fields),
-        FlightMessage::Landed(state) => {
-            fields.unused(&[0]);
-            fields.u8(&mut state.0);
-        }
-        FlightMessage::ParamRead { .. }
-        | FlightMessage::ParamSet { .. }
-        | FlightMessage::Param { .. } => param_layout(message, fields),
+        _ => {}
     }
 }
 

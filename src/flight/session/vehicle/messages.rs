@@ -159,13 +159,7 @@ impl FlightVehicle<'_> {
                 self.motors.height.take_landed(*state, now);
                 self.heed_word(None);
             }
-            FlightMessage::TimeSync {
-                target,
-                answer_ns,
-                asked_ns,
-            } if target.reaches(self.us) && *answer_ns != 0 => {
-                self.answered((now, flight_ms), *answer_ns, *asked_ns);
-            }
+            FlightMessage::TimeSync { .. } => self.take_time((now, flight_ms), message),
             FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
             FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
             FlightMessage::CommandAck {
@@ -194,11 +188,23 @@ impl FlightVehicle<'_> {
     }
 
     /// It has answered what its time was after we asked for it.
-    fn answered(&mut self, (now, flight_ms): (Time, f64), answer_ns: i64, asked_ns: i64) {
+    fn take_time(&mut self, (now, flight_ms): (Time, f64), message: &FlightMessage) {
+        let FlightMessage::TimeSync {
+            target,
+            answer_ns,
+            asked_ns,
+        } = message
+        else {
+            return;
+        };
         let is_ours = asked_ns.rem_euclid(NS_IN_MS) == i64::from(self.us.component);
         let now_ms = i64::try_from(now.0).unwrap_or(i64::MAX);
         let asked_ms = asked_ns.div_euclid(NS_IN_MS);
-        if !is_ours || !(0..=now_ms).contains(&asked_ms) || now_ms == 0 {
+        if *answer_ns == 0
+            || !target.reaches(self.us)
+            || !is_ours
+            || !(1..=now_ms).contains(&asked_ms)
+        {
             return;
         }
         #[expect(
@@ -208,7 +214,7 @@ impl FlightVehicle<'_> {
         let [asked_ms, now_ms, boot_ms] = [
             asked_ms as f64,
             now_ms as f64,
-            answer_ns as f64 / NS_IN_MS as f64,
+            *answer_ns as f64 / NS_IN_MS as f64,
         ];
         // The fleet's clock goes evenly.
         let sent_ms = flight_ms * (asked_ms / now_ms);
@@ -223,7 +229,7 @@ impl FlightVehicle<'_> {
             let at = self
                 .stop_here()
                 .map_or_else(String::new, |id| format!(" (stop {id})"));
-            self.said.push_back(format!("picture {number}{at}"));
+            self.say_often(format!("picture {number}{at}"));
         }
     }
 
@@ -255,7 +261,7 @@ impl FlightVehicle<'_> {
             return;
         };
         if let Some(jump_s) = aligned.jump_s.filter(|_| t0_ms.is_some()) {
-            self.said.push_back(clock_jumped(jump_s));
+            self.say_often(clock_jumped(jump_s));
         }
         let at_ms = aligned.at_ms;
         let t_s = (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0;
@@ -337,7 +343,7 @@ impl FlightVehicle<'_> {
                     self.holds = false;
                 }
                 if self.taken_back.is_none() {
-                    self.said.push_back("is on its mission again".to_owned());
+                    self.say_often("is on its mission again".to_owned());
                 }
             }
             _ => {}

@@ -3,7 +3,7 @@
 use super::FlightVehicle;
 use crate::link::{Position, TextChunks, Time};
 
-/// Texts of one vehicle that are recorded within a period, of each of two classes.
+/// Texts of one vehicle that are recorded within a period, of each class.
 const MAX_TEXTS: u32 = 20;
 /// The period, milliseconds.
 const PERIOD_MS: u64 = 10_000;
@@ -16,15 +16,15 @@ pub(crate) struct Texts {
     /// Those that come in pieces.
     pub(crate) chunks: TextChunks,
     since: Time,
-    /// Texts in this period: errors, and others.
-    taken: [u32; 2],
+    /// Texts in this period: errors, others, and lines of ours about what it does.
+    taken: [u32; 3],
     dropped: u32,
 }
 
 impl Texts {
-    /// Whether a text is within the limit.
-    fn passes(&mut self, severity: u8) -> bool {
-        let taken = &mut self.taken[usize::from(severity > ERROR)];
+    /// Whether a text of a class is within the limit.
+    fn passes(&mut self, class: usize) -> bool {
+        let taken = &mut self.taken[class];
         *taken = taken.saturating_add(1);
         let passes = *taken <= MAX_TEXTS;
         self.dropped = self.dropped.saturating_add(u32::from(!passes));
@@ -37,7 +37,7 @@ impl Texts {
             return None;
         }
         let sentence = self.sentence();
-        (self.since, self.taken, self.dropped) = (now, [0, 0], 0);
+        (self.since, self.taken, self.dropped) = (now, [0; 3], 0);
         sentence
     }
 
@@ -54,8 +54,15 @@ impl Texts {
 
 impl FlightVehicle<'_> {
     pub(super) fn take_text(&mut self, severity: u8, text: &str) {
-        if self.texts.passes(severity) {
+        if self.texts.passes(usize::from(severity > ERROR)) {
             self.said.push_back(text.to_owned());
+        }
+    }
+
+    /// Says what it does, which it may do over and over.
+    pub(super) fn say_often(&mut self, text: String) {
+        if self.texts.passes(2) {
+            self.said.push_back(text);
         }
     }
 
