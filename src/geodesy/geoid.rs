@@ -44,6 +44,27 @@ impl Geoid {
         (along(row) + (along(row + 1) - along(row)) * down) / 100.0
     }
 
+    /// The least and the greatest undulation between two corners, metres; the eastern longitude may be above 180.
+    #[must_use]
+    pub fn undulations_m(&self, south_west: LatLon, north_east: LatLon) -> [f64; 2] {
+        // Bilinear values are extreme at nodes and where lines of the grid meet the bounds.
+        let steps = |from: f64, to: f64| {
+            let nodes =
+                (1..).map(move |step| ((from * PER_DEGREE).floor() + f64::from(step)) / PER_DEGREE);
+            let inside = nodes.take_while(move |node| *node < to);
+            std::iter::once(from)
+                .chain(inside)
+                .chain(std::iter::once(to))
+        };
+        let lons = || steps(south_west.lon_deg, north_east.lon_deg);
+        let grid = steps(south_west.lat_deg, north_east.lat_deg)
+            .flat_map(|lat_deg| lons().map(move |lon_deg| LatLon { lat_deg, lon_deg }));
+        grid.map(|place| self.undulation_m(place)).fold(
+            [f64::INFINITY, f64::NEG_INFINITY],
+            |[least, most], value| [least.min(value), most.max(value)],
+        )
+    }
+
     /// Undoes the differences; `None` unless there is a whole grid.
     fn decode(coded: &[u8]) -> Option<Self> {
         let mut bytes = Vec::with_capacity(2 * ROWS * COLUMNS);

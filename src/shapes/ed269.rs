@@ -12,7 +12,11 @@ pub(super) fn read(text: &str) -> Result<Option<Collection>, ShapesError> {
     // Some authorities publish the bare list.
     let features = root.as_array().or_else(|| root.get("features")?.as_array());
     let features = features.or_else(|| root.get("UASZoneList").and_then(Value::as_array));
-    let is_zone = |feature: &Value| feature.get("geometry").is_some_and(Value::is_array);
+    let is_volume = |of: &Value| of.get("horizontalProjection").is_some();
+    let is_zone = |feature: &Value| {
+        let geometry = feature.get("geometry");
+        geometry.is_some_and(|of| of.is_array() || is_volume(of))
+    };
     let Some(features) = features.filter(|all| all.iter().any(is_zone)) else {
         return Ok(None);
     };
@@ -26,8 +30,16 @@ pub(super) fn read(text: &str) -> Result<Option<Collection>, ShapesError> {
             collection.open += 1;
             continue;
         }
-        let volumes = feature.get("geometry").and_then(Value::as_array);
-        for (part, volume) in volumes.into_iter().flatten().enumerate() {
+        let volumes = match feature.get("geometry") {
+            Some(Value::Array(volumes)) => volumes.as_slice(),
+            Some(volume @ Value::Object(_)) => std::slice::from_ref(volume),
+            _ => &[],
+        };
+        if volumes.is_empty() {
+            let (name, why) = (name.clone(), "no geometry".to_owned());
+            collection.refused.push(Refused { name, why });
+        }
+        for (part, volume) in volumes.iter().enumerate() {
             let name = match part {
                 0 => name.clone(),
                 _ => format!("{name} part {}", part + 1),

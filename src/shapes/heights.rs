@@ -1,7 +1,7 @@
 //! Units and references of heights.
 
 use super::{Geometry, Height};
-use crate::geodesy::{Ellipsoid, Geoid};
+use crate::geodesy::Geoid;
 
 /// A foot, metres.
 pub(super) const FOOT_M: f64 = 0.3048;
@@ -72,11 +72,11 @@ pub(super) fn height(
 }
 
 fn above_ellipsoid(metres: f64, side: Side, over: &Geometry) -> Height {
-    let positions = over.positions().into_iter();
-    let levels = positions.map(|place| Ellipsoid(metres).above_sea(Geoid::egm96(), place).0);
+    let (south_west, north_east) = over.bounds();
+    let [least_m, most_m] = Geoid::egm96().undulations_m(south_west, north_east);
     Height::Amsl(match side {
-        Side::Floor => levels.fold(f64::INFINITY, f64::min),
-        Side::Ceiling => levels.fold(f64::NEG_INFINITY, f64::max),
+        Side::Floor => metres - most_m,
+        Side::Ceiling => metres - least_m,
     })
 }
 

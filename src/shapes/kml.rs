@@ -1,18 +1,18 @@
 //! KML (OGC 2.2) and KMZ. A polygon that is extruded reaches from the ground to its corners, any
 //! other is without heights.
+//!
+//! Read as XML: crates for KML lose geometries beside one that they do not know, without a word.
 
 mod nesting;
-mod placemarks;
 
 use std::io::{Cursor, Read};
 
-use ::kml::types::{AltitudeMode, Coord, Geometry as KmlGeometry, LinearRing, Placemark, Polygon};
-use ::kml::{Kml, KmlReader};
+use roxmltree::{Document, Node};
 
 use super::{Collection, Geometry, Height, Refused, Shape, ShapesError, malformed, place, ring};
 use crate::geodesy::LatLon;
 
-/// Deepest nesting of elements: the parser calls itself for each.
+/// Deepest nesting of elements.
 const MAX_DEPTH: usize = 64;
 /// Most bytes of the KML inside a KMZ.
 const MAX_BYTES: u64 = 256 << 20;
@@ -23,129 +23,114 @@ pub(super) fn read(text: &str) -> Result<Collection, ShapesError> {
         let why = format!("elements are nested more than {MAX_DEPTH} deep");
         return Err(malformed("KML", why));
     }
-    let parse = |text: &str| KmlReader::<_, f64>::from_string(text).read();
+    let document = Document::parse(text).map_err(|error| malformed("KML", error))?;
     let mut collection = Collection::default();
-    let root = match parse(text) {
-        Ok(root) => root,
-        Err(_) => {
-            let (rest, refused) = placemarks::without_broken(text, &|placemark| {
-                parse(placemark).err().map(|error| error.to_string())
-            });
-            collection.refused = refused;
-            parse(&rest).map_err(|error| malformed("KML", error))?
+    for node in document.root_element().descendants() {
+        match node.tag_name().name() {
+            "Placemark" => add_placemark(&document, node, &mut collection),
+            "NetworkLink" => {
+                let why = "a link to another file, which is not read".to_owned();
+                refuse(&document, node, &mut collection, why);
+            }
+            _ => {}
         }
-    };
-    add(&root, &mut collection);
+    }
     Ok(collection)
 }
 
-/// Shapes of the first KML file in an archive.
+/// Shapes of all KML files in an archive.
 pub(super) fn read_zipped(bytes: &[u8]) -> Result<Collection, ShapesError> {
     let wrong = |error: &dyn std::fmt::Display| malformed("KMZ", error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| wrong(&error))?;
-    let mut name: Option<String> = None;
-    for of in archive.file_names().filter_map(Result::ok) {
-        if name.is_none() && of.to_lowercase().ends_with(".kml") {
-            name = Some(of.into_owned());
-        }
+    let names = archive.file_names().filter_map(Result::ok);
+    let names: Vec<String> = names
+        .filter(|name| name.to_lowercase().ends_with(".kml"))
+        .map(std::borrow::Cow::into_owned)
+        .collect();
+    if names.is_empty() {
+        return Err(wrong(&"no .kml file inside"));
     }
-    let name = name.ok_or_else(|| wrong(&"no .kml file inside"))?;
-    let file = archive.by_name(&name).map_err(|error| wrong(&error))?;
-    let mut text = String::new();
-    let read = file.take(MAX_BYTES + 1).read_to_string(&mut text);
-    read.map_err(|error| wrong(&error))?;
-    if text.len() as u64 > MAX_BYTES {
-        return Err(wrong(&"more than 256 MiB of KML inside"));
+    let mut all = Collection::default();
+    let mut left = MAX_BYTES;
+    for name in names {
+        let file = archive.by_name(&name).map_err(|error| wrong(&error))?;
+        let mut text = String::new();
+        let read = file.take(left + 1).read_to_string(&mut text);
+        read.map_err(|error| wrong(&error))?;
+        left = left
+            .checked_sub(text.len() as u64)
+            .ok_or_else(|| wrong(&"more than 256 MiB of KML inside"))?;
+        let found = self::read(text.strip_prefix('\u{feff}').unwrap_or(&text))?;
+        all.shapes.extend(found.shapes);
+        all.refused.extend(found.refused);
     }
-    self::read(text.strip_prefix('\u{feff}').unwrap_or(&text))
+    Ok(all)
 }
 
-fn add(of: &Kml, collection: &mut Collection) {
-    match of {
-        Kml::KmlDocument(document) => {
-            for element in &document.elements {
-                add(element, collection);
-            }
-        }
-        Kml::Document { elements, .. } => {
-            for element in elements {
-                add(element, collection);
-            }
-        }
-        Kml::Folder(folder) => {
-            for element in &folder.elements {
-                add(element, collection);
-            }
-        }
-        Kml::Placemark(placemark) => add_placemark(placemark, collection),
-        _ => {}
-    }
+/// The text of the first child of that name.
+fn text<'a>(of: Node<'a, '_>, name: &str) -> Option<&'a str> {
+    let mut children = of.children();
+    let child = children.find(|child| child.tag_name().name() == name)?;
+    child.text().map(str::trim).filter(|text| !text.is_empty())
 }
 
-fn add_placemark(placemark: &Placemark, collection: &mut Collection) {
+fn refuse(document: &Document<'_>, node: Node<'_, '_>, collection: &mut Collection, why: String) {
+    let line = document.text_pos_at(node.range().start).row;
+    let name = text(node, "name").map_or_else(|| format!("line {line}"), str::to_owned);
+    let why = format!("line {line}: {}", why.escape_debug());
+    collection.refused.push(Refused { name, why });
+}
+
+fn add_placemark(document: &Document<'_>, placemark: Node<'_, '_>, collection: &mut Collection) {
     let number = collection.shapes.len() + collection.refused.len() + 1;
-    let name = placemark.name.as_deref().map(str::trim).unwrap_or_default();
-    let name = match name {
-        "" => format!("placemark {number}"),
-        _ => name.to_owned(),
-    };
+    let name = text(placemark, "name");
+    let name = name.map_or_else(|| format!("placemark {number}"), str::to_owned);
     let mut parts = Vec::new();
-    match &placemark.geometry {
-        Some(geometry) => flatten(geometry, &mut parts),
-        None => {
-            let why = "no geometry".to_owned();
-            return collection.refused.push(Refused { name, why });
-        }
+    flatten(placemark, &mut parts);
+    if parts.is_empty() {
+        return refuse(document, placemark, collection, "no geometry".to_owned());
     }
-    for (part, geometry) in parts.iter().enumerate() {
+    for (part, geometry) in parts.into_iter().enumerate() {
         let name = match part {
             0 => name.clone(),
             _ => format!("{name} part {}", part + 1),
         };
         match shape(&name, geometry) {
             Ok(shape) => collection.shapes.push(shape),
-            Err(why) => collection.refused.push(Refused { name, why }),
+            Err(why) => refuse(document, placemark, collection, why),
         }
     }
 }
 
-fn flatten<'g>(geometry: &'g KmlGeometry, parts: &mut Vec<&'g KmlGeometry>) {
-    match geometry {
-        KmlGeometry::MultiGeometry(multi) => {
-            for part in &multi.geometries {
-                flatten(part, parts);
-            }
+/// The geometries in an element, also those that cannot be read.
+fn flatten<'a, 'input>(of: Node<'a, 'input>, parts: &mut Vec<Node<'a, 'input>>) {
+    for child in of.children() {
+        match child.tag_name().name() {
+            "MultiGeometry" => flatten(child, parts),
+            "Polygon" | "LinearRing" | "LineString" | "Point" | "Model" | "Track"
+            | "MultiTrack" => parts.push(child),
+            _ => {}
         }
-        _ => parts.push(geometry),
     }
 }
 
-fn shape(name: &str, geometry: &KmlGeometry) -> Result<Shape, String> {
-    let (geometry, ceiling) = match geometry {
-        KmlGeometry::Polygon(polygon) => (
-            Geometry::Polygon {
-                outer: corners(&polygon.outer)?,
-                holes: polygon
-                    .inner
-                    .iter()
-                    .map(corners)
-                    .collect::<Result<_, _>>()?,
-            },
-            top(polygon)?,
-        ),
-        KmlGeometry::LinearRing(ring) => (
-            Geometry::Polygon {
-                outer: corners(ring)?,
-                holes: Vec::new(),
-            },
-            None,
-        ),
-        KmlGeometry::LineString(line) => {
-            let positions = line.coords.iter().map(position);
-            (Geometry::Line(positions.collect::<Result<_, _>>()?), None)
+fn shape(name: &str, of: Node<'_, '_>) -> Result<Shape, String> {
+    let (geometry, ceiling) = match of.tag_name().name() {
+        "Polygon" => polygon(of)?,
+        "LinearRing" => {
+            let (outer, holes) = (outline(of)?, Vec::new());
+            (Geometry::Polygon { outer, holes }, None)
         }
-        KmlGeometry::Point(point) => (Geometry::Point(position(&point.coord)?), None),
-        _ => return Err("a geometry that is no polygon, line or point".to_owned()),
+        "LineString" => {
+            let corners = corners(of)?.into_iter();
+            (Geometry::Line(corners.map(|(at, _)| at).collect()), None)
+        }
+        "Point" => {
+            let at = corners(of)?.first().copied();
+            let (at, _) = at.ok_or("a point without coordinates")?;
+            (Geometry::Point(at), None)
+        }
+        other => return Err(format!("a {other}, no polygon, line or point")),
     };
     Ok(Shape {
         name: name.to_owned(),
@@ -160,28 +145,65 @@ fn shape(name: &str, geometry: &KmlGeometry) -> Result<Shape, String> {
     })
 }
 
+fn polygon(of: Node<'_, '_>) -> Result<(Geometry, Option<Height>), String> {
+    let rings = |boundary: &'static str| {
+        let boundaries = of.children();
+        let boundaries = boundaries.filter(move |node| node.tag_name().name() == boundary);
+        let rings = boundaries.flat_map(|node| node.children());
+        rings.filter(|node| node.tag_name().name() == "LinearRing")
+    };
+    let mut outer = rings("outerBoundaryIs");
+    let (Some(first), None) = (outer.next(), outer.next()) else {
+        return Err("a polygon that has not exactly one outer boundary".to_owned());
+    };
+    let holes = rings("innerBoundaryIs").map(outline);
+    let geometry = Geometry::Polygon {
+        outer: outline(first)?,
+        holes: holes.collect::<Result<_, _>>()?,
+    };
+    Ok((geometry, top(of, first)?))
+}
+
 /// The highest corner of an extruded polygon; KML measures from the EGM96 geoid.
-fn top(polygon: &Polygon) -> Result<Option<Height>, String> {
-    if !polygon.extrude {
+fn top(polygon: Node<'_, '_>, outer: Node<'_, '_>) -> Result<Option<Height>, String> {
+    let as_height: Option<fn(f64) -> Height> = match text(polygon, "altitudeMode") {
+        None | Some("clampToGround") => None,
+        Some("absolute") => Some(Height::Amsl),
+        Some("relativeToGround") => Some(Height::Agl),
+        Some(other) => return Err(format!("an altitude mode `{other}`")),
+    };
+    if !matches!(text(polygon, "extrude"), Some("1" | "true")) {
         return Ok(None);
     }
-    let heights = polygon.outer.coords.iter().map(|corner| corner.z);
-    let highest = heights
-        .map(|height| height.ok_or("an extruded polygon with a corner without height"))
+    let highest = corners(outer)?
+        .into_iter()
+        .map(|(_, height)| height.ok_or("an extruded polygon with a corner without height"))
         .try_fold(f64::NEG_INFINITY, |most, height| {
             height.map(|z| most.max(z))
         })?;
-    match polygon.altitude_mode {
-        AltitudeMode::Absolute => Ok(Some(Height::Amsl(highest))),
-        AltitudeMode::RelativeToGround => Ok(Some(Height::Agl(highest))),
-        AltitudeMode::ClampToGround => Ok(None),
+    Ok(as_height.map(|of| of(highest)))
+}
+
+fn outline(of: Node<'_, '_>) -> Result<Vec<LatLon>, String> {
+    ring(corners(of)?.into_iter().map(|(at, _)| at).collect())
+}
+
+/// Places and heights, if there are: longitude, latitude and height with commas, one after the other.
+fn corners(of: Node<'_, '_>) -> Result<Vec<(LatLon, Option<f64>)>, String> {
+    let tuples = text(of, "coordinates")
+        .unwrap_or_default()
+        .split_whitespace();
+    tuples.map(corner).collect()
+}
+
+fn corner(tuple: &str) -> Result<(LatLon, Option<f64>), String> {
+    let numbers = tuple.split(',').map(str::parse::<f64>);
+    let numbers: Vec<f64> = numbers
+        .collect::<Result<_, _>>()
+        .map_err(|_| format!("coordinates `{tuple}`"))?;
+    match numbers[..] {
+        [lon, lat] => Ok((place(lat, lon)?, None)),
+        [lon, lat, height] if height.is_finite() => Ok((place(lat, lon)?, Some(height))),
+        _ => Err(format!("coordinates `{tuple}`")),
     }
-}
-
-fn corners(of: &LinearRing) -> Result<Vec<LatLon>, String> {
-    ring(of.coords.iter().map(position).collect::<Result<_, _>>()?)
-}
-
-fn position(of: &Coord) -> Result<LatLon, String> {
-    place(of.y, of.x)
 }

@@ -25,7 +25,7 @@ pub use write::{Format, Rewritten, write, write_as};
 
 use jiff::Timestamp;
 
-use crate::geodesy::LatLon;
+use crate::geodesy::{LatLon, LocalFrame};
 use crate::numeric::text::shell_word;
 
 /// One shape of a file.
@@ -236,5 +236,27 @@ impl Geometry {
             Self::Line(line) => line.clone(),
             Self::Point(place) => vec![*place],
         }
+    }
+
+    /// The south-western and north-eastern corner of a box around it; the eastern longitude may be above 180 degrees.
+    fn bounds(&self) -> (LatLon, LatLon) {
+        let positions = match self {
+            Self::Circle { center, radius_m } => LocalFrame::new(*center).circumscribed(*radius_m),
+            _ => self.positions(),
+        };
+        // The short way around from the first.
+        let first_deg = positions.first().map_or(0.0, |at| at.lon_deg);
+        let lon =
+            |at: &LatLon| first_deg + (at.lon_deg - first_deg + 180.0).rem_euclid(360.0) - 180.0;
+        let range = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold(
+                [f64::INFINITY, f64::NEG_INFINITY],
+                |[least, most], value| [least.min(value), most.max(value)],
+            )
+        };
+        let [west, east] = range(&mut positions.iter().map(lon));
+        let [south, north] = range(&mut positions.iter().map(|at| at.lat_deg));
+        let corner = |lat_deg, lon_deg| LatLon { lat_deg, lon_deg };
+        (corner(south, west), corner(north, east))
     }
 }

@@ -1,8 +1,10 @@
 //! OpenAir, the airspace format of gliding and flight planning. Distances are nautical miles,
-//! heights feet, metres or flight levels; arcs become polylines that enclose them.
+//! heights feet, metres or flight levels; arcs become polylines that enclose the zone.
 
 use ::openair::{Airspace, Altitude, Arc, ArcSegment, Coord, Direction, Geometry as Outline};
 use ::openair::{Class, PolygonSegment};
+use std::f64::consts::TAU;
+
 use jiff::Timestamp;
 
 use super::heights::{FOOT_M, NAUTICAL_MILE_M};
@@ -12,12 +14,22 @@ use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 
 /// Longest step of an arc, radians.
 const STEP_RAD: f64 = 0.06;
+/// Records of a zone. Other lines before the first one that begins with AC are titles.
+const RECORDS: [&str; 12] = [
+    "AN", "AL", "AH", "AY", "AA", "AI", "V", "DP", "DC", "DA", "DB", "AF",
+];
 
 /// Reads each block on its own, so that an error in one does not affect the others.
 pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
     let text = String::from_utf8_lossy(bytes);
     let mut collection = Collection::default();
-    for (line, block) in blocks(&text) {
+    let (stray, blocks) = blocks(&text);
+    if let Some(line) = stray {
+        let why = "a record before the first line that begins with AC".to_owned();
+        let name = format!("line {line}");
+        collection.refused.push(Refused { name, why });
+    }
+    for (line, block) in blocks {
         let label = name_of(&block);
         let label = label.unwrap_or_else(|| format!("line {line}"));
         let parsed = with_heights(&block);
@@ -42,21 +54,28 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
     Ok(collection)
 }
 
-/// The lines from each `AC` to the next, with the number of the first.
-fn blocks(text: &str) -> Vec<(usize, String)> {
+/// The lines from each `AC` to the next, with the number of the first, and the first record before all of them.
+fn blocks(text: &str) -> (Option<usize>, Vec<(usize, String)>) {
     let mut blocks: Vec<(usize, String)> = Vec::new();
+    let mut stray = None;
     for (index, line) in text.lines().enumerate() {
         let line = line.trim_start_matches('\u{feff}').trim();
-        let is_first = line.split_whitespace().next() == Some("AC");
-        if is_first {
+        let key = line.split_whitespace().next().unwrap_or_default();
+        // In small letters it is an error of its block.
+        if key.eq_ignore_ascii_case("AC") {
             blocks.push((index + 1, String::new()));
         }
-        if let Some((_, block)) = blocks.last_mut() {
-            block.push_str(line);
-            block.push('\n');
+        let is_record = || RECORDS.iter().any(|of| key.eq_ignore_ascii_case(of));
+        match blocks.last_mut() {
+            Some((_, block)) => {
+                block.push_str(line);
+                block.push('\n');
+            }
+            None if stray.is_none() && is_record() => stray = Some(index + 1),
+            None => {}
         }
     }
-    blocks
+    (stray, blocks)
 }
 
 /// The block with the widest height for each that it leaves out: the shape is closed from the ground or without
@@ -110,7 +129,7 @@ fn shape(name: &str, airspace: &Airspace, block: &str) -> Result<Shape, String> 
             Altitude::Gnd => return Err("a ceiling on the ground".to_owned()),
             other => Some(height(other, metres(block, "AH"))?),
         },
-        active: active(airspace)?,
+        active: active(airspace, block)?,
         keep_in: false,
         numbers: Vec::new(),
         lists: Vec::new(),
@@ -143,8 +162,18 @@ fn height(of: &Altitude, metres: Option<f64>) -> Result<Height, String> {
     }
 }
 
-fn active(airspace: &Airspace) -> Result<Period, String> {
-    let Some(times) = airspace.activation_times else {
+/// The active times. The parser leaves out what follows the first two, and later lines: with more than one period the
+/// zone is active always.
+fn active(airspace: &Airspace, block: &str) -> Result<Period, String> {
+    let mut lines = block.lines().filter_map(|line| line.strip_prefix("AA "));
+    let is_time = |c: char| c.is_ascii_alphanumeric() || "-+:.".contains(c);
+    let is_end = |text: &str| !text.is_empty() && text.chars().all(is_time);
+    let is_one = |line: &str| line.trim().split('/').filter(|end| is_end(end)).count() == 2;
+    let is_whole = lines
+        .next()
+        .is_none_or(|line| is_one(line) && line.matches('/').count() == 1);
+    let is_read = is_whole && lines.next().is_none();
+    let Some(times) = airspace.activation_times.filter(|_| is_read) else {
         return Ok((None, None));
     };
     let end = |of: Option<_>| match of {
@@ -160,20 +189,52 @@ fn active(airspace: &Airspace) -> Result<Period, String> {
     Ok((end(times.start)?, end(times.end)?))
 }
 
+/// The corners of a zone, which its edges do not cut anything off from: an arc has its corners outside of its circle
+/// where the zone is inside of it, and inside otherwise.
 fn corners(segments: &[PolygonSegment]) -> Result<Vec<LatLon>, String> {
-    let mut corners = Vec::new();
-    for segment in segments {
-        match segment {
-            PolygonSegment::Point(at) => corners.push(coord(at)?),
-            PolygonSegment::Arc(arc) => corners.extend(between(arc)?),
-            PolygonSegment::ArcSegment(arc) => corners.extend(swept(arc)?),
-        }
+    let arcs: Vec<Part> = segments.iter().map(part).collect::<Result<_, _>>()?;
+    let ends = arcs.iter().flat_map(|part| part.corners(None));
+    let is_clockwise = clockwise(&ends.collect::<Vec<_>>());
+    let corners = arcs
+        .iter()
+        .flat_map(|part| part.corners(Some(is_clockwise)));
+    Ok(corners.collect())
+}
+
+/// Whether a ring turns clockwise as seen from above.
+fn clockwise(ring: &[LatLon]) -> bool {
+    let Some(frame) = ring.first().map(|at| LocalFrame::new(*at)) else {
+        return true;
+    };
+    let at: Vec<EastNorth> = ring.iter().map(|at| frame.to_plan(*at)).collect();
+    let next = at.iter().cycle().skip(1);
+    let cross = |(a, b): (&EastNorth, &EastNorth)| a.east_m * b.north_m - b.east_m * a.north_m;
+    at.iter().zip(next).map(cross).sum::<f64>() < 0.0
+}
+
+/// A part of an outline.
+enum Part {
+    Corner(LatLon),
+    /// Around the origin of the frame: the bearing of its begin, how far it turns (clockwise positive), radians, and
+    /// its least and greatest radius, metres.
+    Arc {
+        frame: LocalFrame,
+        from_rad: f64,
+        turn_rad: f64,
+        radii_m: [f64; 2],
+    },
+}
+
+fn part(segment: &PolygonSegment) -> Result<Part, String> {
+    match segment {
+        PolygonSegment::Point(at) => Ok(Part::Corner(coord(at)?)),
+        PolygonSegment::Arc(arc) => between(arc),
+        PolygonSegment::ArcSegment(arc) => swept(arc),
     }
-    Ok(corners)
 }
 
 /// An arc from one place to another around a third.
-fn between(arc: &Arc) -> Result<Vec<LatLon>, String> {
+fn between(arc: &Arc) -> Result<Part, String> {
     let frame = LocalFrame::new(coord(&arc.centerpoint)?);
     let end = |of: &Coord| {
         let EastNorth { east_m, north_m } = frame.to_plan(coord(of)?);
@@ -185,58 +246,81 @@ fn between(arc: &Arc) -> Result<Vec<LatLon>, String> {
         let why = format!("an arc with radii of {:.0} m and {:.0} m", from.1, to.1);
         return Err(why);
     }
-    Ok(drawn(
-        &frame,
-        (from.0, to.0),
-        from.1.max(to.1),
-        arc.direction,
-    ))
+    Ok(Part::Arc {
+        frame,
+        from_rad: from.0,
+        turn_rad: turn_rad((from.0, to.0), arc.direction),
+        radii_m: [from.1.min(to.1), from.1.max(to.1)],
+    })
 }
 
 /// An arc of a radius between two bearings.
-fn swept(arc: &ArcSegment) -> Result<Vec<LatLon>, String> {
-    let frame = LocalFrame::new(coord(&arc.centerpoint)?);
+fn swept(arc: &ArcSegment) -> Result<Part, String> {
     let radius_m = f64::from(arc.radius) * NAUTICAL_MILE_M;
     circle(coord(&arc.centerpoint)?, radius_m)?;
     let rad = |degrees: f32| f64::from(degrees).to_radians();
     let bearings = (rad(arc.angle_start), rad(arc.angle_end));
-    Ok(drawn(&frame, bearings, radius_m, arc.direction))
+    Ok(Part::Arc {
+        frame: LocalFrame::new(coord(&arc.centerpoint)?),
+        from_rad: bearings.0,
+        turn_rad: turn_rad(bearings, arc.direction),
+        radii_m: [radius_m; 2],
+    })
 }
 
-/// Both ends of an arc, and corners between them whose edges touch it from outside.
-fn drawn(
-    frame: &LocalFrame,
-    (from_rad, to_rad): (f64, f64),
-    radius_m: f64,
-    direction: Direction,
-) -> Vec<LatLon> {
-    let turn_rad = match direction {
-        Direction::Cw => (to_rad - from_rad).rem_euclid(std::f64::consts::TAU),
-        Direction::Ccw => -(from_rad - to_rad).rem_euclid(std::f64::consts::TAU),
+/// How far an arc turns from one bearing to another; one that ends where it begins is a circle.
+fn turn_rad((from_rad, to_rad): (f64, f64), direction: Direction) -> f64 {
+    let (least_rad, sign) = match direction {
+        Direction::Cw => (to_rad - from_rad, 1.0),
+        Direction::Ccw => (from_rad - to_rad, -1.0),
     };
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a turn is at most a full circle"
-    )]
-    let steps = (turn_rad.abs() / STEP_RAD).ceil().max(1.0) as u32;
-    let step_rad = turn_rad / f64::from(steps);
-    let at = |bearing_rad: f64, away_m: f64| {
-        let (sin, cos) = bearing_rad.sin_cos();
-        frame.from_plan(EastNorth {
-            east_m: away_m * sin,
-            north_m: away_m * cos,
-        })
-    };
-    let outside_m = radius_m / (0.5 * step_rad).cos();
-    let middles = (0..steps).map(|step| {
-        let bearing_rad = from_rad + (f64::from(step) + 0.5) * step_rad;
-        at(bearing_rad, outside_m)
-    });
-    let mut corners = vec![at(from_rad, radius_m)];
-    corners.extend(middles);
-    corners.push(at(to_rad, radius_m));
-    corners
+    let turn_rad = least_rad.rem_euclid(TAU);
+    let is_circle = turn_rad < 1e-9 || TAU - turn_rad < 1e-9;
+    sign * if is_circle { TAU } else { turn_rad }
+}
+
+impl Part {
+    /// Its corners; of an arc in a zone that turns clockwise, counterclockwise, or either way.
+    fn corners(&self, zone: Option<bool>) -> Vec<LatLon> {
+        let (frame, from_rad, turn_rad, [least_m, most_m]) = match self {
+            Self::Corner(at) => return vec![*at],
+            Self::Arc {
+                frame,
+                from_rad,
+                turn_rad,
+                radii_m,
+            } => (frame, *from_rad, *turn_rad, *radii_m),
+        };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a turn is at most a full circle"
+        )]
+        let steps = (turn_rad.abs() / STEP_RAD).ceil().max(1.0) as u32;
+        let step_rad = turn_rad / f64::from(steps);
+        let at = |bearing_rad: f64, away_m: f64| {
+            let (sin, cos) = bearing_rad.sin_cos();
+            frame.from_plan(EastNorth {
+                east_m: away_m * sin,
+                north_m: away_m * cos,
+            })
+        };
+        let is_inside = zone.is_none_or(|is_clockwise| is_clockwise == (turn_rad > 0.0));
+        if !is_inside {
+            let corners =
+                (0..=steps).map(|step| at(from_rad + f64::from(step) * step_rad, least_m));
+            return corners.collect();
+        }
+        // Its edges touch the circle.
+        let outside_m = most_m / (0.5 * step_rad).cos();
+        let mut corners = vec![at(from_rad, most_m)];
+        corners.extend((0..steps).map(|step| {
+            let bearing_rad = from_rad + (f64::from(step) + 0.5) * step_rad;
+            at(bearing_rad, outside_m)
+        }));
+        corners.push(at(from_rad + turn_rad, most_m));
+        corners
+    }
 }
 
 fn coord(of: &Coord) -> Result<LatLon, String> {

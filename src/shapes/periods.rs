@@ -9,7 +9,7 @@ use crate::numeric::text::timestamp;
 pub(super) type Period = (Option<Timestamp>, Option<Timestamp>);
 
 /// The period that holds all periods of a list of ED-269 or ED-318: without end where one of
-/// them is. A weekly schedule within a period counts as all of it.
+/// them is or one is permanent. A weekly schedule within a period counts as all of it.
 ///
 /// # Errors
 /// A time that is none.
@@ -22,6 +22,13 @@ pub(super) fn hull(list: Option<&Value>) -> Result<Period, String> {
     };
     let mut all: Option<Period> = None;
     for period in periods {
+        let is_permanent = period.get("permanent").is_some_and(|of| match of {
+            Value::String(word) => word.trim().eq_ignore_ascii_case("yes"),
+            other => other.as_bool() == Some(true),
+        });
+        if is_permanent {
+            return Ok((None, None));
+        }
         let end = |key: &str| match period.get(key).and_then(Value::as_str) {
             Some(text) => timestamp(text)
                 .map(Some)

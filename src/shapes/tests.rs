@@ -1,5 +1,7 @@
 //! Files of every format, as their publishers lay them out.
 
+mod lost;
+
 use super::{Collection, Format, Geometry, Height, Shape, read, write, write_as};
 use crate::geodesy::{LatLon, LocalFrame};
 

@@ -181,6 +181,38 @@ fn zones_of_files_are_zones_with_a_source_and_what_lies_out_of_reach_is_counted(
 }
 
 #[test]
+fn a_zone_whose_buffer_reaches_the_area_is_not_out_of_reach() {
+    // 3 km north of the area.
+    let ring = "[[-84.30, 36.43], [-84.20, 36.43], [-84.20, 36.44], [-84.30, 36.43]]";
+    let near = format!(
+        r#"{{"type": "Feature", "properties": {{"name": "near"}}, "geometry": {{"type": "Polygon", "coordinates": [{ring}]}}}}"#
+    );
+    let files = [("near.geojson", near.as_str())];
+    for (buffer_m, zones) in [(0, 0), (1000, 0), (2500, 1), (5000, 1)] {
+        let more = format!("airspace: [{{file: near.geojson, buffer_m: {buffer_m}}}]\n");
+        let file = read_beside(&files, &more).expect("good");
+        assert_eq!(file.spec.no_fly.len(), zones, "{buffer_m}");
+    }
+}
+
+#[test]
+fn a_hole_as_large_as_its_zone_is_an_error() {
+    let ring = "[[-84.25, 36.33], [-84.23, 36.33], [-84.23, 36.34], [-84.25, 36.33]]";
+    let same = format!(
+        r#"{{"type": "Feature", "properties": {{"name": "same"}}, "geometry": {{"type": "Polygon", "coordinates": [{ring}, {ring}]}}}}"#
+    );
+    let errors = read_beside(
+        &[("same.geojson", &same)],
+        "airspace: [{file: same.geojson}]\n",
+    );
+    let errors = errors.expect_err("nothing is closed");
+    assert!(
+        errors[0].contains("a hole that is as large as its outline"),
+        "{errors:?}"
+    );
+}
+
+#[test]
 fn classes_choose_and_what_cannot_be_read_is_an_error_until_it_is_skipped() {
     let files = [("a.txt", OPENAIR)];
     let with = |more: &str| read_beside(&files, &format!("airspace: [{{file: a.txt{more}}}]\n"));

@@ -5,8 +5,8 @@
     reason = "missions hold 1e-7 degrees and float32"
 )]
 
-use crate::support;
 use crate::support::missions;
+use crate::support::{self, threat};
 use missions::{GROUND_M, at, delay, land, level, mission, speed, takeoff, waypoint};
 use sortie::geodesy::{AboveHome, Agl, Amsl, LatLon, PlanPoint};
 use sortie::mission::{Home, Item, VehicleMission, build, command, frame};
@@ -1192,6 +1192,31 @@ fn long_legs_and_followed_terrain_say_how_far_the_autopilot_may_differ() {
         "{:?}",
         review.assumptions
     );
+}
+
+#[test]
+fn the_bend_of_the_map_of_ardupilot_counts_where_it_is_not_small() {
+    // 9 km, of which 1.16 m; a leg half as long bends by 0.29 m.
+    for (stops, bend_m) in [
+        (&[west(), east()][..], 1.16),
+        (&[west(), middle(), east()], 0.0),
+    ] {
+        let (mut spec, _) = one();
+        spec.threats
+            .push(threat("mast", place(36.3050, -84.24), 100.0));
+        let margin_m = |autopilot| {
+            let mut spec = spec.clone();
+            spec.vehicles[0].autopilot = autopilot;
+            let mut mission = level(&spec.vehicles[0], GROUND_M + 80.0, stops);
+            mission.autopilot = autopilot;
+            let review = judge(&spec, &[&mission]);
+            let mut margins = review.margins.iter();
+            let of = margins.find(|margin| matches!(margin.limit, Limit::Threat(_)));
+            of.expect("a margin").value
+        };
+        let less_m = margin_m(Autopilot::Px4) - margin_m(Autopilot::ArduPilot);
+        assert!((less_m - bend_m).abs() < 0.02, "{less_m} m, not {bend_m}");
+    }
 }
 
 #[test]

@@ -163,7 +163,7 @@ mod tests {
         let stays = |sent_ms: f64| if sent_ms < 10_000.0 { 30.0 } else { 5000.0 };
         let off_ms = off_after_a_minute(stays, 1.0, Some);
         assert!((off_ms - 30.0).abs() < 1.0, "{off_ms}");
-        // Without an answer, or with that of another clock, it cannot be told apart.
+        // Without an answer, or with that of another clock, nobody can say which.
         for answer in [|_| None, |_| Some(1.7e12)] {
             let off_ms = off_after_a_minute(stays, 1.0, answer);
             assert!((off_ms - 5000.0).abs() < 1.0, "{off_ms}");

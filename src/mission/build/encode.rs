@@ -6,7 +6,7 @@
 //! can lower it.
 
 use crate::autopilot::{command, frame};
-use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::geodesy::{Amsl, LatLon, PlanPoint, straight_m};
 use crate::mission::item::{Home, Item};
 use crate::numeric::geometry::Offset;
 use crate::path::TimedPoint;
@@ -40,6 +40,11 @@ pub(crate) struct Encoder<'a> {
 }
 
 impl<'a> Encoder<'a> {
+    /// The longest leg that the map of ArduPilot does not bend, metres.
+    pub(crate) fn straight_m(&self) -> f64 {
+        straight_m(self.world.frame.origin().lat_deg)
+    }
+
     /// An encoder for a vehicle that stands at `home`, in the reference of the spec.
     pub(crate) fn new(
         world: &'a World,

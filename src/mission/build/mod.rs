@@ -14,7 +14,7 @@ use super::params::parameters;
 use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
 use crate::path::{TimedPoint, VehicleLimits, route_ends};
-use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
+use crate::spec::{AltitudeReference, Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Departure, Layer, NoData, Stations, World};
 use clearance::strictness;
 use encode::{ENCODING_M, Encoder};
@@ -420,7 +420,31 @@ impl ItemWriter<'_> {
             true => strictness(self.limits, route, keep.tolerance_m),
             false => self.encoder.strictness(route, keep.tolerance_m),
         };
-        Ok(waypoints((&path, &strictness), through, &keep))
+        let chosen = waypoints((&path, &strictness), through, &keep);
+        Ok(match self.vehicle.autopilot {
+            Autopilot::ArduPilot => self.without_bends(&path, chosen),
+            Autopilot::Px4 => chosen,
+        })
+    }
+
+    /// With more samples where a leg is so long that the map of ArduPilot bends it.
+    fn without_bends(&self, path: &[Point], chosen: Vec<usize>) -> Vec<usize> {
+        // Samples are not where a leg would be cut.
+        let longest_m = 0.9 * self.encoder.straight_m();
+        let mut all: Vec<usize> = chosen.first().copied().into_iter().collect();
+        for pair in chosen.windows(2) {
+            let away_m = |to: usize| (path[to] - path[pair[0]]).xy().norm();
+            let parts = (away_m(pair[1]) / longest_m).ceil();
+            let mut part = 1.0;
+            for index in pair[0] + 1..pair[1] {
+                if part < parts && away_m(index) >= part / parts * away_m(pair[1]) {
+                    all.push(index);
+                    part += 1.0;
+                }
+            }
+            all.push(pair[1]);
+        }
+        all
     }
 }
 

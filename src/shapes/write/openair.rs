@@ -33,18 +33,20 @@ fn record(shape: &Shape, rewritten: &mut Rewritten) -> Option<String> {
         .find(|class| CLASSES.contains(&class.as_str()));
     let class = class.map_or("P", String::as_str);
     let mut record = format!("AC {class}\nAN {}\n", one_line(&shape.name));
-    record += &format!(
-        "AL {}\n",
-        shape
-            .floor
-            .map_or("GND".to_owned(), |floor| limit(floor, f64::floor))
-    );
-    record += &format!(
-        "AH {}\n",
-        shape
-            .ceiling
-            .map_or("UNLIM".to_owned(), |top| limit(top, f64::ceil))
-    );
+    let is_below_sea = |of: &Height| matches!(of, Height::Amsl(metres) if *metres < 0.0);
+    if shape.floor.iter().chain(&shape.ceiling).any(is_below_sea) {
+        rewritten.change(
+            shape,
+            "from the ground, or up to the sea: OpenAir has no heights below it",
+        );
+    }
+    // Closed from the ground where it begins below the sea.
+    let floor = shape.floor.filter(|floor| !is_below_sea(floor));
+    let floor = floor.map_or("GND".to_owned(), |floor| limit(floor, f64::floor));
+    let top = shape
+        .ceiling
+        .map_or("UNLIM".to_owned(), |top| limit(top, f64::ceil));
+    record += &format!("AL {floor}\nAH {top}\n");
     if shape.active != (None, None) {
         rewritten.change(
             shape,

@@ -96,12 +96,13 @@ impl Checker {
                 survey.left_out += 1;
                 continue;
             }
-            let zone = zone(&shape, references, map);
+            let buffer_m = keys.buffer_m.unwrap_or(0.0);
+            let zone = zone(&shape, buffer_m, references, map);
             let is_exchanged = || usize::from(is_exchanged(&shape.geometry, map));
             match zone.and_then(|zone| self.simple(zone, map)) {
                 Ok(mut zone) => {
                     zone.id = free_id(&shape.name, map);
-                    zone.buffer_m = keys.buffer_m.unwrap_or(0.0);
+                    zone.buffer_m = buffer_m;
                     zone.source = Some(source(&keys.file, &shape));
                     survey.zones.push(zone.id.clone());
                     map.no_fly.push(zone);
@@ -174,7 +175,7 @@ fn is_asked(keys: &keys::AirspaceFile, shape: &Shape) -> bool {
 }
 
 /// The zone of a shape, without its id.
-fn zone(shape: &Shape, references: References, map: &Map) -> Result<Zone, Dropped> {
+fn zone(shape: &Shape, buffer_m: f64, references: References, map: &Map) -> Result<Zone, Dropped> {
     let (polygon, holes, circle) = match &shape.geometry {
         Geometry::Polygon { outer, holes } => (outer.clone(), holes.clone(), None),
         Geometry::Circle { center, radius_m } => {
@@ -183,7 +184,7 @@ fn zone(shape: &Shape, references: References, map: &Map) -> Result<Zone, Droppe
         }
         Geometry::Line(_) | Geometry::Point(_) => return Err(without_area(shape, map)),
     };
-    if is_far(&polygon, map) {
+    if is_far(&polygon, buffer_m, map) {
         return Err(Dropped::OutOfReach);
     }
     let refused = |why: &str| Err(Dropped::Refused(why.to_owned()));
@@ -193,10 +194,13 @@ fn zone(shape: &Shape, references: References, map: &Map) -> Result<Zone, Droppe
     if polygon.len() > MAX_CORNERS {
         return refused("more than 5000 corners");
     }
+    if has_nothing_left(&polygon, &holes, map) {
+        return refused("a hole that is as large as its outline");
+    }
     let floor = placed(shape.floor, references.qnh, |qnh| qnh.min)?;
     let ceiling = placed(shape.ceiling, references.qnh, |qnh| qnh.max)?;
     if let Some(Placement::Amsl(floor)) = floor
-        && floor >= map.area.max_amsl
+        && floor.0 - buffer_m >= map.area.max_amsl.0
     {
         return Err(Dropped::OutOfReach);
     }
@@ -230,6 +234,13 @@ fn zone(shape: &Shape, references: References, map: &Map) -> Result<Zone, Droppe
     })
 }
 
+/// Whether a hole takes all of a zone, or more.
+fn has_nothing_left(polygon: &[LatLon], holes: &[Vec<LatLon>], map: &Map) -> bool {
+    let size = |ring: &[LatLon]| geo::Area::unsigned_area(&map.frame.outline(ring));
+    let is_whole = |hole: &Vec<LatLon>| size(hole) >= 0.999 * size(polygon);
+    holes.iter().any(is_whole)
+}
+
 /// What becomes of a line or a point: one that is declared a restriction must not be missing.
 fn without_area(shape: &Shape, map: &Map) -> Dropped {
     let is_restriction = |class: &String| {
@@ -240,7 +251,7 @@ fn without_area(shape: &Shape, map: &Map) -> Dropped {
     if !has_heights && !shape.classes.iter().any(is_restriction) {
         return Dropped::WithoutArea;
     }
-    if is_far(&shape.geometry.positions(), map) {
+    if is_far(&shape.geometry.positions(), 0.0, map) {
         return Dropped::OutOfReach;
     }
     let why = match &shape.geometry {
@@ -287,22 +298,23 @@ fn is_exchanged(geometry: &Geometry, map: &Map) -> bool {
     }
 }
 
-/// Whether the box of a zone lies beside the area.
-fn is_far(polygon: &[LatLon], map: &Map) -> bool {
+/// Whether the box of a zone with its buffer lies beside the area.
+fn is_far(polygon: &[LatLon], buffer_m: f64, map: &Map) -> bool {
     let Some(area) = map.outline.bounding_rect() else {
         return false;
     };
     // Far from the frame its coordinates mean nothing, nearness does.
     let origin = map.frame.origin();
-    let reach_m = REACH_M + area.width().hypot(area.height());
+    let near_m = REACH_M + buffer_m;
+    let reach_m = near_m + area.width().hypot(area.height());
     if polygon.len() < 2_000 && polygon.iter().all(|at| at.chord_m(origin) < 500_000.0) {
         let Some(zone) = map.frame.outline(polygon).bounding_rect() else {
             return false;
         };
-        return zone.min().x > area.max().x + REACH_M
-            || zone.max().x < area.min().x - REACH_M
-            || zone.min().y > area.max().y + REACH_M
-            || zone.max().y < area.min().y - REACH_M;
+        return zone.min().x > area.max().x + near_m
+            || zone.max().x < area.min().x - near_m
+            || zone.min().y > area.max().y + near_m
+            || zone.max().y < area.min().y - near_m;
     }
     let bounds = |of: fn(&LatLon) -> f64| {
         let values = polygon.iter().map(of);

@@ -18,6 +18,7 @@ use crate::mission::{
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 use crate::world::{Departure, LowPlace, Stations, World};
 
+use super::bent_map;
 use super::decode::{self, After, Orders, Step, Unknown};
 use super::flight::{EarlyTop, End, Flight, Hull, Last, Mark};
 use super::item::{self, Height, Order};
@@ -79,7 +80,9 @@ pub(crate) fn fly(
     pilot.flight.unknown = pilot.fly(&orders, mission);
     pilot.gain();
     pilot.flight.chords = pilot.trajectory.chords;
-    pilot.flight.cut_at_nan()
+    let mut flight = pilot.flight.cut_at_nan();
+    bent_map::widen(vehicle, &mut flight, world);
+    flight
 }
 
 /// Whether a mission without a delay starts at `depart_s`, launched by an operator, and not at T0.

@@ -1,5 +1,6 @@
 //! Executes decoded mission items as the autopilot does, and gives the trajectory that results.
 
+pub(super) mod bent_map;
 pub(super) mod copter;
 pub(super) mod decode;
 pub(super) mod executor;

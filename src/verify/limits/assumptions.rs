@@ -1,48 +1,38 @@
 //! What the flight model takes for granted where a number can be put to it.
 
-use std::collections::BTreeMap;
-
-use crate::geodesy::{EastNorth, LatLon, bend_m};
+use crate::geodesy::{LatLon, SMALL_BEND_M};
 use crate::path::lean_note;
-use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle, Wind};
+use crate::spec::{Airframe, MissionSpec, Vehicle, Wind};
 use crate::world::World;
 
+use crate::verify::execute::bent_map;
 use crate::verify::execute::flight::Flight;
 use crate::verify::measure::outline::metres_per_degree;
 
 /// Doubts about less than this are not worth a line, metres.
 const WORTH_M: f64 = 0.1;
 
-/// The map of ArduPilot scales longitudes by the latitude halfway to its origin. Its straight lines
-/// leave the geodesic by at most [`bend_m`]; PX4's map keeps azimuths and has no such bend.
-pub(crate) fn bent_map<'a>(
+/// Where the map of an autopilot bends its legs.
+pub(crate) fn bends<'a>(
     flown: impl Iterator<Item = (&'a Vehicle, &'a Flight)>,
     world: &World,
 ) -> Option<String> {
-    let longest_m = flown
-        .filter(|(vehicle, _)| vehicle.autopilot == Autopilot::ArduPilot)
-        .map(|(_, flight)| longest_leg_m(flight))
-        .fold(0.0, f64::max);
-    let bend_m = bend_m(longest_m, world.frame.origin().lat_deg);
+    let (longest_m, bend_m) = flown
+        .map(|(vehicle, flight)| bent_map::longest(vehicle, flight, world))
+        .fold(
+            (0.0, 0.0),
+            |most: (f64, f64), of| if of.1 > most.1 { of } else { most },
+        );
     (bend_m > WORTH_M).then(|| {
+        let counted = match bend_m > SMALL_BEND_M {
+            true => format!(", which is counted from {SMALL_BEND_M} m on"),
+            false => String::new(),
+        };
         format!(
-            "legs are straight on the earth: the map that ArduPilot steers by bends the longest, {:.1} km, by up to {bend_m:.1} m",
+            "legs are straight on the earth: the map that ArduPilot steers by bends the longest, {:.1} km, by up to {bend_m:.1} m{counted}",
             longest_m / 1000.0
         )
     })
-}
-
-/// The greatest distance from where a row's first chord begins to where another of it ends.
-fn longest_leg_m(flight: &Flight) -> f64 {
-    let mut begins: BTreeMap<usize, EastNorth> = BTreeMap::new();
-    flight
-        .chords
-        .iter()
-        .map(|chord| {
-            let begin = begins.entry(chord.row).or_insert(chord.from.at);
-            begin.distance_m(chord.to.at)
-        })
-        .fold(0.0, f64::max)
 }
 
 /// Distance between the posts of ArduPilot's own grid, metres: `TERRAIN_SPACING`.

@@ -294,7 +294,7 @@ pub(super) fn of_sorties(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_
     list.extend(assumptions::carried_wings(
         sorties.iter().map(|s| s.vehicle),
     ));
-    list.extend(assumptions::bent_map(flown(), world));
+    list.extend(assumptions::bends(flown(), world));
     list.extend(assumptions::other_posts(
         sorties.iter().map(|s| &s.flight),
         world,

@@ -68,7 +68,7 @@ impl Checker {
             ..Survey::default()
         };
         for obstacle in found {
-            if is_far(&obstacle.polygon(), map) {
+            if is_far(&obstacle.polygon(), 0.0, map) {
                 survey.out_of_reach += 1;
                 survey.exchanged += usize::from(is_exchanged(&obstacle.geometry(), map));
                 continue;
