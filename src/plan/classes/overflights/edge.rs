@@ -1,6 +1,6 @@
 //! What a straight flight between two corners costs.
 
-use super::{Edge, Graph, point};
+use super::{Closure, Edge, Graph, point};
 use crate::geodesy::EastNorth;
 use crate::numeric::as_f64;
 use crate::numeric::geometry::{Point, Ring, point_segment_distance};
@@ -27,13 +27,17 @@ impl Graph<'_> {
             let distance_m = point_segment_distance(point(threat.center), p, q);
             distance_m < threat.radius_m + margins.threat_m
         };
-        if world.threats.iter().any(is_near) {
+        let is_in = |closure: &Closure<'_>| {
+            closure.is_closed && !crossings(&closure.ring, (p, q)).is_empty()
+        };
+        if world.threats.iter().any(is_near) || self.zones.iter().any(is_in) {
             return Edge::closed();
         }
         let pieces = self.pieces([a, b]);
         let mut floor_m = pieces.base_m.clone();
         let mut crossed = Vec::new();
-        for (index, closure) in self.zones.iter().enumerate() {
+        let zones = self.zones.iter().enumerate();
+        for (index, closure) in zones.filter(|(_, closure)| !closure.is_closed) {
             for part in crossings(&closure.ring, (p, q)) {
                 match self.raise(closure.zone, &pieces, part, &mut floor_m) {
                     None => return Edge::closed(),
