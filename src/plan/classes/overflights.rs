@@ -23,8 +23,10 @@ use crate::world::PlanZone;
 /// Numbers of the nodes at the ends.
 const START: usize = 0;
 const GOAL: usize = 1;
-/// Most corners: edges between more of them take too long.
-const MAX_NODES: usize = 1000;
+/// Most nodes, those that are least far around: edges between more of them take too long. Of a fleet
+/// of more vehicles than a few each has fewer.
+const MAX_NODES: [usize; 2] = [1000, 260];
+const FEW_VEHICLES: usize = 10;
 /// Lines pass corners at this distance, metres.
 const AWAY_M: f64 = 1.0;
 /// Corners of a threat.
@@ -89,15 +91,12 @@ pub(crate) fn overflight_lines(
     count: usize,
     most: f64,
 ) -> Vec<Vec<EastNorth>> {
-    let Some(graph) = Graph::new(context, most) else {
-        return Vec::new();
-    };
-    graph.lines(count)
+    Graph::new(context, most).lines(count)
 }
 
 impl<'a> Graph<'a> {
-    /// Of lines that cost less than `most`; none where there are too many corners.
-    fn new(context: &'a RouteContext<'a>, most: f64) -> Option<Self> {
+    /// Of lines that cost less than `most`.
+    fn new(context: &'a RouteContext<'a>, most: f64) -> Self {
         let (margin_m, max_amsl) = (context.margins.threat_m, context.world.max_amsl);
         let closure = |(index, zone): (u64, &'a PlanZone)| Closure {
             zone,
@@ -106,38 +105,19 @@ impl<'a> Graph<'a> {
             is_closed: !zone.is_open_below(max_amsl),
         };
         let zones: Vec<Closure<'a>> = (0..).zip(&context.world.zones).map(closure).collect();
-        let mut nodes = [context.ends.from.at, context.ends.to.at]
-            .map(point)
-            .to_vec();
-        let prices = context.prices();
-        let (area, ends) = (Ring::around(&context.world.area), [nodes[START], nodes[GOAL]]);
-        let is_near = |node: Point| {
-            let around_m = distance(ends[0], node) + distance(node, ends[1]);
-            prices.length * around_m / 1000.0 < most
-        };
-        let is_open = |node: Point| {
-            let mut closed = zones.iter().filter(|closure| closure.is_closed);
-            !closed.any(|closure| closure.ring.contains(node))
-        };
-        let corners = corners(context, &zones).into_iter();
-        nodes.extend(
-            corners.filter(|node| area.contains(*node) && is_near(*node) && is_open(*node)),
-        );
-        if nodes.len() > MAX_NODES {
-            return None;
-        }
+        let nodes = nodes(context, &zones, most);
         let is_in = |node: &Point| zones.iter().any(|closure| closure.ring.contains(*node));
         let limits = VehicleLimits::of(context.vehicle());
         let high = Amsl(context.ends.from.amsl.0.max(context.ends.to.amsl.0));
-        Some(Self {
+        Self {
             is_over: nodes.iter().map(is_in).collect(),
-            prices,
+            prices: context.prices(),
             most,
             slopes: (limits.climb.at(high), limits.descent.at(high)),
             context,
             zones,
             nodes,
-        })
+        }
     }
 
     /// The cheapest line through each edge, one of each kind.
@@ -268,6 +248,31 @@ impl Tree {
     fn back_from(&self, node: usize) -> Vec<usize> {
         std::iter::successors(Some(node), |&node| self.before[node]).collect()
     }
+}
+
+/// Start, goal and the corners that a line of less than `most` may pass: of more than are allowed
+/// those that are least far around.
+fn nodes(context: &RouteContext<'_>, zones: &[Closure<'_>], most: f64) -> Vec<Point> {
+    let (start, goal) = context.ends_at();
+    let ends = [point(start), point(goal)];
+    let length = context.prices().length;
+    let area = Ring::around(&context.world.area);
+    let around_m = |node: &Point| distance(ends[0], *node) + distance(*node, ends[1]);
+    let is_open = |node: &Point| {
+        let mut closed = zones.iter().filter(|closure| closure.is_closed);
+        !closed.any(|closure| closure.ring.contains(*node))
+    };
+    let mut corners = corners(context, zones);
+    corners.retain(|node| {
+        length * around_m(node) / 1000.0 < most && area.contains(*node) && is_open(node)
+    });
+    let count = MAX_NODES[usize::from(context.spec.vehicles.len() > FEW_VEHICLES)];
+    if corners.len() > count {
+        let mut all_m: Vec<f64> = corners.iter().map(around_m).collect();
+        all_m.sort_by(f64::total_cmp);
+        corners.retain(|node| around_m(node) < all_m[count]);
+    }
+    [&ends[..], &corners].concat()
 }
 
 /// Corners of zones and threats, a little away from them.

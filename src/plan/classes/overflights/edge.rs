@@ -162,6 +162,13 @@ fn crossings(ring: &Ring, (a, b): (Point, Point)) -> Vec<(f64, f64)> {
     let minus = |p: Point, q: Point| [p[0] - q[0], p[1] - q[1]];
     let cross = |p: Point, q: Point| p[0] * q[1] - p[1] * q[0];
     let along = minus(b, a);
+    let (low, high) = ring.bounds();
+    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
+    let sides = corners.map(|corner| cross(along, minus(corner, a)));
+    let is_beside = sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0);
+    if is_beside {
+        return Vec::new();
+    }
     let mut shares = vec![0.0, 1.0];
     for (c, d) in ring.edges() {
         let edge = minus(d, c);
