@@ -129,7 +129,7 @@ fn walls_are_flown_around_where_a_fit_through_them_turns_a_little_too_tightly() 
 }
 
 /// City blocks by some hundred corners, a quarter of them low: over those is shorter than any way
-/// through the streets alone. Swarms from classes of the plane end 11 to 15 % above.
+/// through the streets alone. Swarms alone end 11 to 16 % above.
 #[test]
 fn low_blocks_of_a_city_are_flown_over_where_that_costs_least_whatever_the_seed() {
     let mut spec = SpecFile::parse(&PathBuf::from("city.yaml"), Family::City.problem(4))

@@ -165,8 +165,8 @@ fn crossings(ring: &Ring, (a, b): (Point, Point)) -> Vec<(f64, f64)> {
     let (low, high) = ring.bounds();
     let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
     let sides = corners.map(|corner| cross(along, minus(corner, a)));
-    let is_beside = sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0);
-    if is_beside {
+    let is_aside = sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0);
+    if is_aside {
         return Vec::new();
     }
     let mut shares = vec![0.0, 1.0];
