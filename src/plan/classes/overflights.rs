@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::field::Prices;
 use super::obstacles::{Obstacles, scramble};
 use crate::geodesy::{Amsl, EastNorth};
-use crate::numeric::geometry::{Point, Ring};
+use crate::numeric::geometry::{Point, Ring, distance};
 use crate::path::VehicleLimits;
 use crate::plan::route_context::RouteContext;
 use crate::world::PlanZone;
@@ -23,8 +23,10 @@ use crate::world::PlanZone;
 /// Numbers of the nodes at the ends.
 const START: usize = 0;
 const GOAL: usize = 1;
-/// Most corners: edges between more of them take too long.
-const MAX_NODES: usize = 260;
+/// Most nodes, those that are least far around: edges between more of them take too long. Of a fleet
+/// of more vehicles than a few each has fewer.
+const MAX_NODES: [usize; 2] = [1000, 260];
+const FEW_VEHICLES: usize = 10;
 /// Lines pass corners at this distance, metres.
 const AWAY_M: f64 = 1.0;
 /// Corners of a threat.
@@ -32,18 +34,13 @@ const THREAT_CORNERS: u32 = 8;
 /// Costs above that of the cheapest line that are worth a look, as a factor.
 const DETOUR: f64 = 1.15;
 
-/// A line, and what it costs in the plane and over what it crosses.
-#[derive(Clone, Debug)]
-pub(crate) struct OverflightLine {
-    pub points: Vec<EastNorth>,
-    pub cost: f64,
-}
-
 /// A zone and what it closes in the plane, margins included.
 struct Closure<'a> {
     zone: &'a PlanZone,
     ring: Ring,
     number: u64,
+    /// Whether nothing passes under it, and nothing over it below the ceiling.
+    is_closed: bool,
 }
 
 /// What a straight flight between two nodes costs, infinite where it crosses closed ground, and the
@@ -67,6 +64,8 @@ struct Graph<'a> {
     /// Whether a node is in a zone: a path over it is up there already.
     is_over: Vec<bool>,
     prices: Prices,
+    /// Lines that cost no less are not looked for.
+    most: f64,
     slopes: (f64, f64),
 }
 
@@ -86,56 +85,51 @@ pub(crate) fn has_overflights(context: &RouteContext<'_>) -> bool {
     })
 }
 
-/// The cheapest line of each kind, at most `most`, cheapest first.
-pub(crate) fn overflight_lines(context: &RouteContext<'_>, most: usize) -> Vec<OverflightLine> {
-    let Some(graph) = Graph::new(context) else {
-        return Vec::new();
-    };
-    graph.lines(most)
+/// The cheapest line of each kind that costs less than `most`, at most `count`, cheapest first.
+pub(crate) fn overflight_lines(
+    context: &RouteContext<'_>,
+    count: usize,
+    most: f64,
+) -> Vec<Vec<EastNorth>> {
+    Graph::new(context, most).lines(count)
 }
 
 impl<'a> Graph<'a> {
-    /// None where there are too many corners.
-    fn new(context: &'a RouteContext<'a>) -> Option<Self> {
-        let margin_m = context.margins.threat_m;
+    /// Of lines that cost less than `most`.
+    fn new(context: &'a RouteContext<'a>, most: f64) -> Self {
+        let (margin_m, max_amsl) = (context.margins.threat_m, context.world.max_amsl);
         let closure = |(index, zone): (u64, &'a PlanZone)| Closure {
             zone,
             ring: Ring::around(&zone.outline).outset(zone.buffer_m + margin_m),
             number: scramble(!index),
+            is_closed: !zone.is_open_below(max_amsl),
         };
         let zones: Vec<Closure<'a>> = (0..).zip(&context.world.zones).map(closure).collect();
-        let mut nodes = [context.ends.from.at, context.ends.to.at]
-            .map(point)
-            .to_vec();
-        let area = Ring::around(&context.world.area);
-        let corners = corners(context, &zones).into_iter();
-        nodes.extend(corners.filter(|node| area.contains(*node)));
-        if nodes.len() > MAX_NODES {
-            return None;
-        }
+        let nodes = nodes(context, &zones, most);
         let is_in = |node: &Point| zones.iter().any(|closure| closure.ring.contains(*node));
         let limits = VehicleLimits::of(context.vehicle());
         let high = Amsl(context.ends.from.amsl.0.max(context.ends.to.amsl.0));
-        Some(Self {
+        Self {
             is_over: nodes.iter().map(is_in).collect(),
             prices: context.prices(),
+            most,
             slopes: (limits.climb.at(high), limits.descent.at(high)),
             context,
             zones,
             nodes,
-        })
+        }
     }
 
     /// The cheapest line through each edge, one of each kind.
-    fn lines(&self, most: usize) -> Vec<OverflightLine> {
+    fn lines(&self, count: usize) -> Vec<Vec<EastNorth>> {
         let edges = self.edges();
         let (from, to) = (self.tree(&edges, START), self.tree(&edges, GOAL));
         let (start, goal) = self.context.ends_at();
         let obstacles = Obstacles::at(self.zones.iter().map(Closure::middle), start, goal);
         let mut seen = BTreeSet::new();
         let mut lines = Vec::new();
-        for (cost, [a, b]) in self.through_edges(&edges, (&from, &to)) {
-            if lines.len() >= most {
+        for [a, b] in self.through_edges(&edges, (&from, &to)) {
+            if lines.len() >= count {
                 break;
             }
             let mut chain = from.back_from(a);
@@ -150,16 +144,16 @@ impl<'a> Graph<'a> {
             let numbers = crossed.into_iter().map(|zone| self.zones[zone].number);
             let kind = numbers.fold(obstacles.signature(&points), u64::wrapping_add);
             if seen.insert(kind) {
-                lines.push(OverflightLine { points, cost });
+                lines.push(points);
             }
         }
         lines
     }
 
-    /// Cost of the cheapest line through each edge that is worth a look, cheapest first.
-    fn through_edges(&self, edges: &[Edge], (from, to): (&Tree, &Tree)) -> Vec<(f64, [usize; 2])> {
+    /// The edges whose cheapest line is worth a look, that of the cheapest first.
+    fn through_edges(&self, edges: &[Edge], (from, to): (&Tree, &Tree)) -> Vec<[usize; 2]> {
         let count = self.nodes.len();
-        let most = DETOUR * from.cost[GOAL];
+        let most = self.most.min(DETOUR * from.cost[GOAL]);
         let pairs = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
         let through = |[a, b]: [usize; 2]| {
             let cost = from.cost[a] + edges[self.number(a, b)].cost + to.cost[b];
@@ -170,7 +164,7 @@ impl<'a> Graph<'a> {
             .filter(|(cost, _)| cost.is_finite() && *cost <= most)
             .collect();
         lines.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        lines
+        lines.into_iter().map(|line| line.1).collect()
     }
 
     /// The edges between all nodes, those from the first one first. They lead onward alone, and
@@ -178,7 +172,7 @@ impl<'a> Graph<'a> {
     fn edges(&self) -> Vec<Edge> {
         let count = self.nodes.len();
         let (start, goal) = (self.at(START), self.at(GOAL));
-        let most = DETOUR * self.edge([START, GOAL]).cost;
+        let most = self.most.min(DETOUR * self.edge([START, GOAL]).cost);
         let east_m = goal.east_m - start.east_m;
         let north_m = goal.north_m - start.north_m;
         let along = |at: EastNorth| at.east_m * east_m + at.north_m * north_m;
@@ -254,6 +248,31 @@ impl Tree {
     fn back_from(&self, node: usize) -> Vec<usize> {
         std::iter::successors(Some(node), |&node| self.before[node]).collect()
     }
+}
+
+/// Start, goal and the corners that a line of less than `most` may pass: of more than are allowed
+/// those that are least far around.
+fn nodes(context: &RouteContext<'_>, zones: &[Closure<'_>], most: f64) -> Vec<Point> {
+    let (start, goal) = context.ends_at();
+    let ends = [point(start), point(goal)];
+    let length = context.prices().length;
+    let area = Ring::around(&context.world.area);
+    let around_m = |node: &Point| distance(ends[0], *node) + distance(*node, ends[1]);
+    let is_open = |node: &Point| {
+        let mut closed = zones.iter().filter(|closure| closure.is_closed);
+        !closed.any(|closure| closure.ring.contains(*node))
+    };
+    let mut corners = corners(context, zones);
+    corners.retain(|node| {
+        length * around_m(node) / 1000.0 < most && area.contains(*node) && is_open(node)
+    });
+    let count = MAX_NODES[usize::from(context.spec.vehicles.len() > FEW_VEHICLES)];
+    if corners.len() > count {
+        let mut all_m: Vec<f64> = corners.iter().map(around_m).collect();
+        all_m.sort_by(f64::total_cmp);
+        corners.retain(|node| around_m(node) < all_m[count]);
+    }
+    [&ends[..], &corners].concat()
 }
 
 /// Corners of zones and threats, a little away from them.

@@ -38,6 +38,9 @@ const JUDGED_CLASSES: usize = 6;
 /// Evaluations times control points: decoding altitudes takes longer with more of these.
 const MAX_WORK: usize = 1_000_000;
 
+/// A path whose broken limits add less than this to its cost is searched from where no other is left.
+const NEARLY_CLEAN: f64 = 1.01;
+
 /// A path that costs less than this many times its bound is good enough.
 const FAR: f64 = 1.05;
 /// Fewest evaluations of a route that is searched again because it is not.
@@ -117,7 +120,8 @@ fn has_corridors(context: &RouteContext<'_>) -> bool {
 }
 
 /// What is found through corridors with as few control points as have a fit that keeps the limits,
-/// within their budget; none where no fit does, or where that is no good. Evaluations
+/// within their budget; where no fit does, but the last breaks them by little, with as many as that
+/// has. None where nothing that is found keeps the limits, or where that is no good. Evaluations
 /// that were spent before are counted.
 fn through(
     (context, run): (&RouteContext<'_>, Run<'_>),
@@ -134,19 +138,24 @@ fn through(
         };
         let seeds = fits(&context, homotopy);
         let fitted = found_among(&context, splines(&context, &seeds), spent);
-        if keeps_static_limits(&fitted.strict) {
-            let run = Run {
-                budget: budget(context.controls()),
-                ..run
-            };
-            let is_good = is_good(&fitted);
-            return is_good.then(|| searched_from(&context, run, homotopy, (seeds, fitted)));
-        }
         let most = match context.layer().max_agl_m.is_finite() {
             true => MAX_IN_LAYER,
             false => MAX_CONTROLS,
         };
-        if controls >= most {
+        let is_clean = keeps_static_limits(&fitted.strict);
+        let is_last = controls >= most;
+        if is_clean || is_last && is_nearly_clean(&fitted.strict) {
+            if !is_good(&fitted) {
+                return None;
+            }
+            let run = Run {
+                budget: budget(context.controls()),
+                ..run
+            };
+            let found = searched_from(&context, run, homotopy, (seeds, fitted));
+            return (is_clean || keeps_static_limits(&found.strict)).then_some(found);
+        }
+        if is_last {
             return None;
         }
         controls = times_more(controls).min(most);
@@ -246,6 +255,11 @@ fn needed_controls(context: &RouteContext<'_>, homotopy: &HomotopyClasses) -> us
     (PER_CORNER * corners + 4)
         .max(context.spec.planner.control_points)
         .min(MAX_CONTROLS)
+}
+
+/// Whether a path breaks limits by so little that a search may mend it.
+fn is_nearly_clean(strict: &CostTerms) -> bool {
+    strict.total() < NEARLY_CLEAN * (strict.length + strict.altitude)
 }
 
 fn times_more(controls: usize) -> usize {

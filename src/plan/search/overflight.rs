@@ -82,10 +82,9 @@ pub(super) fn polished_or_overflight(context: &RouteContext<'_>, found: Found) -
 fn splines(context: &RouteContext<'_>, most: f64) -> Vec<Found> {
     let limits = VehicleLimits::of(context.vehicle());
     let radius_m = limits.turn_radius_m * (1.0 + context.margins.turn_fraction);
-    let lines = overflight_lines(context, LINES).into_par_iter();
+    let lines = overflight_lines(context, LINES, most).into_par_iter();
     lines
-        .filter(|line| line.cost < most)
-        .map(|line| along(context, &controls(&line.points, radius_m)))
+        .map(|line| along(context, &controls(&line, radius_m)))
         .collect()
 }
 

@@ -1,6 +1,6 @@
 //! What a straight flight between two corners costs.
 
-use super::{Edge, Graph, point};
+use super::{Closure, Edge, Graph, point};
 use crate::geodesy::EastNorth;
 use crate::numeric::as_f64;
 use crate::numeric::geometry::{Point, Ring, point_segment_distance};
@@ -27,13 +27,17 @@ impl Graph<'_> {
             let distance_m = point_segment_distance(point(threat.center), p, q);
             distance_m < threat.radius_m + margins.threat_m
         };
-        if world.threats.iter().any(is_near) {
+        let is_in = |closure: &Closure<'_>| {
+            closure.is_closed && !crossings(&closure.ring, (p, q)).is_empty()
+        };
+        if world.threats.iter().any(is_near) || self.zones.iter().any(is_in) {
             return Edge::closed();
         }
         let pieces = self.pieces([a, b]);
         let mut floor_m = pieces.base_m.clone();
         let mut crossed = Vec::new();
-        for (index, closure) in self.zones.iter().enumerate() {
+        let zones = self.zones.iter().enumerate();
+        for (index, closure) in zones.filter(|(_, closure)| !closure.is_closed) {
             for part in crossings(&closure.ring, (p, q)) {
                 match self.raise(closure.zone, &pieces, part, &mut floor_m) {
                     None => return Edge::closed(),
@@ -158,6 +162,13 @@ fn crossings(ring: &Ring, (a, b): (Point, Point)) -> Vec<(f64, f64)> {
     let minus = |p: Point, q: Point| [p[0] - q[0], p[1] - q[1]];
     let cross = |p: Point, q: Point| p[0] * q[1] - p[1] * q[0];
     let along = minus(b, a);
+    let (low, high) = ring.bounds();
+    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
+    let sides = corners.map(|corner| cross(along, minus(corner, a)));
+    let is_aside = sides.iter().all(|side| *side > 0.0) || sides.iter().all(|side| *side < 0.0);
+    if is_aside {
+        return Vec::new();
+    }
     let mut shares = vec![0.0, 1.0];
     for (c, d) in ring.edges() {
         let edge = minus(d, c);
