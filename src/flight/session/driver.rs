@@ -345,7 +345,7 @@ fn replan_lines(
             (Line::Threat { t_s, threat }.text(), None, text)
         }
         Ok(Line::Plan { vehicle, plan, .. }) => {
-            fleet.heed_plan(&vehicle, plan);
+            fleet.heed_plan(now, &vehicle, plan);
             let text = "is sent another plan by replan".to_owned();
             (line, Some(vehicle), text)
         }
