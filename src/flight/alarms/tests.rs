@@ -73,6 +73,7 @@ fn plan(world: &World, from_lon_deg: f64, items: usize) -> Plan {
     Plan {
         items,
         reference: Reference::of_waypoints(waypoints, (1000.0, true), world.frame),
+        from_s: 0.0,
     }
 }
 

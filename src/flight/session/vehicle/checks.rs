@@ -114,6 +114,8 @@ impl FlightVehicle<'_> {
             Some(home) => soft.extend(readiness::home_problem(&self.of.mission.home, home)),
         }
         soft.extend(readiness::version_problem(self.of.mission, self.version));
+        let unknown = readiness::unknown_version(self.of.mission, self.version);
+        self.said.extend(unknown);
         let mut hard = Vec::new();
         if self.latest.is_none() {
             hard.push("it does not say where it is".to_owned());
