@@ -236,6 +236,17 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// Nothing is done yet of what it shall do.
+fn progress_of(of: &Assignment<'_>) -> Progress {
+    let mut progress = Progress::new(of.itinerary.clone(), of.mission.airframe);
+    progress.add_mission(&Plan {
+        items: of.mission.items.len(),
+        reference: of.reference.clone(),
+        from_s: 0.0,
+    });
+    progress
+}
+
 impl<'a> FlightVehicle<'a> {
     pub(crate) fn new(
         of: Assignment<'a>,
@@ -245,12 +256,7 @@ impl<'a> FlightVehicle<'a> {
         now: Time,
     ) -> Self {
         let stage = Stage::begin(&of, others, us, now);
-        let mut progress = Progress::new(of.itinerary.clone(), of.mission.airframe);
-        progress.add_mission(&Plan {
-            items: of.mission.items.len(),
-            reference: of.reference.clone(),
-            from_s: 0.0,
-        });
+        let progress = progress_of(&of);
         Self {
             of,
             us,
