@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use super::flight_truth::{count, sky};
-use crate::support::sky::{Planned, Sky, US, lane, plan};
+use crate::support::sky::{Planned, Sky, US, lane, parameters, plan};
 use sortie::geodesy::Amsl;
 use sortie::link::*;
 use sortie::simulator::Fault;
@@ -123,4 +123,73 @@ fn another_id_of_the_rally_points_on_board_is_an_alarm_and_no_return_is_ordered(
     assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
     let ordered = count(&sky, "alpha", "is ordered to return");
     assert_eq!(ordered, 0, "{:?}", sky.events);
+}
+
+/// A ground station sets a parameter of alpha 40 s after T0, and sets it back after 30 s if it `mends` it. Then its
+/// battery is empty.
+fn set_in_flight<'a>(plan: &'a Planned, name: &str, value: f32, mends: bool) -> Sky<'a> {
+    let planned = parameters(&plan.dispatched.missions[0].1);
+    let planned = planned.iter().find(|of| of.0 == name).expect("a parameter");
+    let mut sky = sky(plan);
+    sky.fly_to(40.0);
+    let set = |sky: &mut Sky<'_>, value: f32| {
+        let set = Message::Flight(FlightMessage::ParamSet {
+            target: sky.vehicles[0].address(),
+            name: name.to_owned(),
+            value: ParamValue::float(value),
+        });
+        let (system, component) = (255, 190);
+        let now = sky.now;
+        sky.vehicles[0].handle(now, Address { system, component }, &set);
+    };
+    set(&mut sky, value);
+    sky.fly_to(50.0);
+    if mends {
+        set(&mut sky, planned.1);
+    }
+    sky.fly_to(60.0);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 80.0 });
+    sky.fly_to(66.0);
+    let text = format!(
+        "ALARM mission: says that {name} is {value}, planned {}",
+        planned.1
+    );
+    assert_eq!(count(&sky, "alpha", &text), 1, "{:?}", sky.events);
+    sky
+}
+
+#[test]
+fn a_parameter_that_is_set_in_flight_is_an_alarm_and_one_of_the_return_prevents_it() {
+    let plan = returning();
+    for (name, value, mends, returns) in [
+        ("RTL_ALT", 1500.0, false, 0),
+        ("RTL_ALT", 1500.0, true, 1),
+        ("WPNAV_SPEED", 500.0, false, 1),
+    ] {
+        let sky = set_in_flight(&plan, name, value, mends);
+        let ordered = count(&sky, "alpha", "is ordered to return");
+        assert_eq!(ordered, returns, "{:?}", sky.events);
+        let why = "how it would return is not known";
+        assert_eq!(count(&sky, "alpha", why), 1 - returns, "{:?}", sky.events);
+        let over = count(&sky, "alpha", "mission alarm: over after");
+        assert_eq!(over, usize::from(mends), "{:?}", sky.events);
+    }
+}
+
+#[test]
+fn an_old_value_of_a_parameter_that_comes_late_is_no_alarm() {
+    let plan = returning();
+    let is_said = Cell::new(false);
+    let sky = ordered(&plan, move |message| {
+        let is_first = matches!(message, Message::Heartbeat(_)) && !is_said.replace(true);
+        is_first.then(|| {
+            Message::Flight(FlightMessage::Param {
+                name: "RTL_ALT".to_owned(),
+                value: ParamValue::float(1500.0),
+            })
+        })
+    });
+    assert_eq!(count(&sky, "alpha", "ALARM mission"), 0, "{:?}", sky.events);
+    let ordered = count(&sky, "alpha", "is ordered to return");
+    assert_eq!(ordered, 1, "{:?}", sky.events);
 }

@@ -204,6 +204,33 @@ fn terminals_attach_to_a_flight_and_one_of_them_commands() {
 }
 
 #[test]
+fn a_flight_whose_process_stands_still_is_named_and_an_old_order_is_not_carried_out() {
+    let (folder, runs) = planned("lanes", &lanes("-84.238"));
+    let mut flight = take_off(folder.path(), "lanes.yaml", "4");
+    wait_for(&runs, "alpha", 12.0);
+    let mut terminal = Terminal::attach(folder.path());
+    std::thread::sleep(Duration::from_millis(1500));
+    signal(&flight, "-STOP");
+    std::thread::sleep(Duration::from_millis(500));
+    terminal.order("hold");
+    std::thread::sleep(Duration::from_millis(7000));
+    signal(&flight, "-CONT");
+    std::thread::sleep(Duration::from_millis(1500));
+    terminal.order("l");
+    let (_, shown) = terminal.end();
+    for line in [
+        "nothing heard of the process of the flight for 3 s: nobody watches the fleet",
+        "the process of the flight goes on, after about",
+        "while this flight stood still: it is not carried out, give it again",
+        "all land",
+    ] {
+        assert!(shown.contains(line), "{line} in {shown}");
+    }
+    assert!(!shown.contains("all hold"), "{shown}");
+    let _ = flight.0.wait();
+}
+
+#[test]
 fn a_terminal_that_goes_leaves_the_flight_alone_and_the_next_one_commands() {
     let (folder, runs) = planned("lanes", &lanes("-84.251"));
     let mut flight = take_off(folder.path(), "lanes.yaml", "8");

@@ -1,5 +1,7 @@
 //! What was found when a vehicle was checked may have changed before all of them start.
 
+use std::cell::Cell;
+
 use super::elsewhere::acknowledged_to_another;
 use super::flight_truth::{ARMED, change, two};
 use super::orders_and_ends::position;
@@ -77,4 +79,25 @@ fn who_takes_a_list_from_another_station_meanwhile_starts_nobody() {
             "{why:?}"
         );
     }
+}
+
+#[test]
+fn who_says_that_a_parameter_is_another_one_meanwhile_starts_nobody() {
+    let is_said = Cell::new(false);
+    let why = refusals(move |message| {
+        let speed = ParamValue::float(500.0);
+        if matches!(message, Message::Heartbeat(_)) && !is_said.replace(true) {
+            let name = "WPNAV_SPEED".to_owned();
+            let value = speed;
+            *message = Message::Flight(FlightMessage::Param { name, value });
+        }
+        if let Message::Flight(FlightMessage::Param { name, value }) = message
+            && name == "WPNAV_SPEED"
+        {
+            // Whenever it is read again.
+            *value = speed;
+        }
+    });
+    let text = "it says that WPNAV_SPEED is 500 and not 1500, after it was checked";
+    assert!(is_named(&why, text), "{why:?}");
 }

@@ -208,6 +208,7 @@ impl Planned {
         let plans = plans.map(|((_, mission), reference)| Plan {
             items: mission.items.len(),
             reference,
+            from_s: 0.0,
         });
         let flights = sky.fleet.flown().zip(plans).zip(self.itineraries()).map(
             |(((id, flown), plan), itinerary)| Flight {

@@ -8,5 +8,6 @@ mod link_commands;
 mod mission_upload;
 mod moved_links;
 mod plan_and_upload;
+mod reading_meanwhile;
 mod simulated_vehicle;
 mod udp_loopback;

@@ -27,6 +27,10 @@ impl Socket {
         match *self {}
     }
 
+    pub(super) fn rest(&mut self) {
+        match *self {}
+    }
+
     pub(super) fn finish(self, _code: i32, _message: &str) {
         match self {}
     }

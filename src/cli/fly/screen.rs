@@ -86,7 +86,10 @@ impl Screen {
     }
 
     /// Leaves the screen to others: the session of the flight goes on, and lines may not be written yet.
-    pub(super) fn into_parts(self) -> (Option<Socket>, Printer) {
+    pub(super) fn into_parts(mut self) -> (Option<Socket>, Printer) {
+        if let Some(socket) = &mut self.socket {
+            socket.rest();
+        }
         (self.socket, self.show.into_printer())
     }
 

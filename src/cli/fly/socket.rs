@@ -2,7 +2,8 @@
 //! terminals attach to with `sortie watch`. One of them commands, the others watch.
 //!
 //! Lines to a terminal begin with a mark: [`LINE`] is shown, [`END`] carries the exit code of the
-//! flight. Lines from a terminal are orders: `hold`, `land`, `leave`.
+//! flight, [`BEAT`] comes each second while the flight is watched, and with [`REST`] when that is over. Lines from a
+//! terminal are orders: `hold`, `land`, `leave`, and when they were given, milliseconds since 1970.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -10,12 +11,19 @@ use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 
-use crate::flight::Intervention;
+use crate::flight::{Intervention, unix_ms};
 use crate::numeric::text::escaped;
 
 /// Marks of lines to a terminal.
 pub(super) const LINE: char = '=';
 pub(super) const END: char = '!';
+pub(super) const BEAT: char = '~';
+pub(super) const REST: &str = "rest";
+/// Between two beats, milliseconds.
+const BEAT_MS: u64 = 1000;
+/// An order that was given longer ago is not carried out, milliseconds: the process of the flight stood still, and the
+/// fleet is elsewhere.
+pub(super) const OLD_MS: u64 = 5000;
 /// Terminals that are attached at once, at most.
 const MAX_CLIENTS: usize = 16;
 /// Bytes that wait for a terminal, at most: one that does not read is let go of.
@@ -38,6 +46,8 @@ pub(super) struct Socket {
     history: VecDeque<String>,
     /// The table of the fleet, for a terminal that attaches.
     table: Vec<String>,
+    /// When the last beat was sent, milliseconds since 1970.
+    beat_ms: u64,
 }
 
 /// An attached terminal.
@@ -73,6 +83,7 @@ impl Socket {
             clients: Vec::new(),
             history: VecDeque::new(),
             table: Vec::new(),
+            beat_ms: 0,
         })
     }
 
@@ -97,6 +108,11 @@ impl Socket {
     /// terminal of its own, that one does.
     pub(super) fn poll(&mut self, has_terminal: bool) -> Option<Intervention> {
         self.admit();
+        let now_ms = unix_ms();
+        if now_ms.abs_diff(self.beat_ms) >= BEAT_MS {
+            self.beat_ms = now_ms;
+            self.beat("");
+        }
         if let Some(first) = self
             .clients
             .first_mut()
@@ -109,7 +125,8 @@ impl Socket {
         for client in &mut self.clients {
             client.flush();
             for line in client.orders() {
-                let wants = match line.as_str() {
+                let (what, given_ms) = order_of(&line);
+                let wants = match what {
                     "hold" => Intervention::Hold,
                     "land" => Intervention::Land,
                     "leave" => Intervention::Leave,
@@ -118,7 +135,13 @@ impl Socket {
                         continue;
                     }
                 };
-                if client.commands {
+                let age_ms = given_ms.map_or(0, |given_ms| now_ms.saturating_sub(given_ms));
+                if age_ms > OLD_MS {
+                    let age_s = age_ms / 1000;
+                    client.send(&format!(
+                        "{LINE}the order to {what} was given {age_s} s ago, while this flight stood still: it is not carried out, give it again\n"
+                    ));
+                } else if client.commands {
                     order = order.or(Some(wants));
                 } else {
                     client.send(&format!("{LINE}another terminal commands this flight\n"));
@@ -127,6 +150,17 @@ impl Socket {
         }
         self.clients.retain(|client| !client.is_gone);
         order
+    }
+
+    fn beat(&mut self, what: &str) {
+        for client in &mut self.clients {
+            client.send(&format!("{BEAT}{what}\n"));
+        }
+    }
+
+    /// The flight is over, and no beat comes while it is judged.
+    pub(super) fn rest(&mut self) {
+        self.beat(REST);
     }
 
     fn admit(&mut self) {
@@ -141,6 +175,7 @@ impl Socket {
                 is_gone: false,
                 commands: false,
             };
+            client.send(&format!("{BEAT}\n"));
             let table = self.table.iter();
             let table = table.map(|row| format!("{LINE}{}\n", escaped(row)));
             for line in self.history.iter().cloned().chain(table) {
@@ -167,6 +202,13 @@ impl Socket {
             client.flush();
         }
     }
+}
+
+/// An order and when it was given; older terminals do not say that.
+fn order_of(line: &str) -> (&str, Option<u64>) {
+    let mut words = line.split_whitespace();
+    let what = words.next().unwrap_or_default();
+    (what, words.next().and_then(|word| word.parse().ok()))
 }
 
 impl Drop for Socket {

@@ -198,6 +198,7 @@ fn capture(
                 plan: Plan {
                     items: mission.items.len(),
                     reference: Reference::new(mission, track, world),
+                    from_s: 0.0,
                 },
             }
         })

@@ -21,6 +21,7 @@ mod tube;
 use std::collections::{BTreeMap, VecDeque};
 
 use super::conformance::reference::Reference;
+use super::launch::parameters::OtherSetting;
 use super::record::{Fix, Plan};
 use crate::geodesy::PlanPoint;
 use crate::link::{Address, Message, Position};
@@ -122,8 +123,9 @@ struct Watched<'a> {
     silent_s: f64,
     /// How late its last position came, and since when all came too late, seconds.
     lag: Option<(f64, f64)>,
-    /// The last alarm of its mode.
+    /// The last alarm of its mode, and of its parameters.
     mode_said: Option<String>,
+    settings_said: Option<String>,
     /// When it left the ground, seconds after T0, until its departure was looked at.
     up_s: Option<f64>,
     skips: Skips,
@@ -196,6 +198,7 @@ impl<'a> Alarms<'a> {
             silent_s: 0.0,
             lag: None,
             mode_said: None,
+            settings_said: None,
             up_s: None,
             skips: Skips::default(),
         };
@@ -258,10 +261,23 @@ impl<'a> Alarms<'a> {
         Some(here.agl_m).filter(|agl_m| agl_m.is_finite())
     }
 
-    /// Takes in another plan that a vehicle is sent: it flies it from when it holds as many items.
-    pub fn replan(&mut self, vehicle: usize, plan: Plan) {
+    /// Takes in another plan that a vehicle is sent from a time in seconds after T0 on: it flies it from when it holds
+    /// as many items.
+    pub fn replan(&mut self, t_s: f64, vehicle: usize, plan: Plan) {
+        let speedup = self.speedup;
         if let Some(of) = self.vehicles.get_mut(vehicle) {
-            of.onboard.expect(plan);
+            of.onboard.expect((t_s, speedup), plan, of.mission);
+        }
+    }
+
+    /// Takes in the parameters that a vehicle says to be others than planned, and one that says how it returns.
+    pub(in crate::flight) fn take_settings(
+        &mut self,
+        vehicle: usize,
+        (others, of_return): (Vec<OtherSetting>, Option<&OtherSetting>),
+    ) {
+        if let Some(of) = self.vehicles.get_mut(vehicle) {
+            of.onboard.take_settings(&others, of_return);
         }
     }
 
@@ -462,6 +478,12 @@ impl<'a> Alarms<'a> {
             of.mode_said.clone_from(&mode);
             self.standing.remove(&(AlarmKind::Mode, index, None, ""));
         }
+        let settings = of.onboard.settings().filter(|_| flies).map(str::to_owned);
+        if settings.is_some() && settings != of.settings_said {
+            of.settings_said.clone_from(&settings);
+            self.standing
+                .remove(&(AlarmKind::Mission, index, None, "parameters"));
+        }
         for (kind, cause, text) in [
             (AlarmKind::Battery, "", battery),
             (AlarmKind::Ekf, "", estimate),
@@ -474,6 +496,7 @@ impl<'a> Alarms<'a> {
             (AlarmKind::Mission, "home", home),
             (AlarmKind::Mission, "rally", rally),
             (AlarmKind::Mission, "fence", lists),
+            (AlarmKind::Mission, "parameters", settings),
             (AlarmKind::Mode, "", mode),
         ] {
             self.set(t_s, (kind, index, None, cause), text);

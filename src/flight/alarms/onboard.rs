@@ -1,12 +1,16 @@
 //! What is on board, and in which mode: changed by whom.
 
-use crate::flight::launch::readiness;
+mod elsewhere;
+mod settings;
+
 use crate::flight::record::Plan;
 use crate::flight::session::modes;
 use crate::link::{
     Address, Command, CommandResult, FlightMessage, Heartbeat, List, Message, as_line,
 };
-use crate::mission::{Home, VehicleMission};
+use crate::mission::VehicleMission;
+use elsewhere::Elsewhere;
+use settings::Settings;
 
 /// `MAV_STATE_CRITICAL`: from here on the autopilot acts in an emergency.
 const STATE_CRITICAL: u8 = 5;
@@ -18,116 +22,9 @@ const HEARD_OF_S: f64 = 1.0;
 /// What is on board may say more about what was written, seconds.
 const WRITTEN_S: f64 = 1.5;
 
-/// Its fence and rally points are sent after a new mission, and are all on board after this time, seconds.
-const SENT_S: f64 = 60.0;
-
-/// Home moves by less than this where an autopilot gets a better position, metres.
-const HOME_MOVES_M: f64 = 15.0;
-
-/// What differs in flight of home, fence and rally points: a return was judged to those of the plan.
-#[derive(Debug, Default)]
-struct Elsewhere {
-    /// Home as it was said last before the flight, and what it is now if that is another place.
-    home: Option<Home>,
-    moved: Option<String>,
-    /// The ids of the fence and of the rally points, and since when they are others, seconds after T0.
-    ids: [Option<u32>; 2],
-    others_s: [Option<f64>; 2],
-    /// What was heard of them otherwise.
-    lists: [Option<String>; 2],
-}
-
-/// Lists, their names, and what is said of one with another id.
-const LISTS: [(List, &str, &str); 2] = [
-    (
-        List::Fence,
-        "fence",
-        "the fence on board is another one (its id changed)",
-    ),
-    (
-        List::Rally,
-        "rally points",
-        "the rally points on board are others (their id changed)",
-    ),
-];
-
-impl Elsewhere {
-    /// A list has the id that it has now where a `replan` sends it again (`is_sent`).
-    fn handle(
-        &mut self,
-        t_s: f64,
-        message: &Message,
-        (us, mission): (Address, &VehicleMission),
-        (flies, is_sent): (bool, bool),
-    ) {
-        if !flies {
-            (self.moved, self.lists) = (None, [None, None]);
-        }
-        match message {
-            Message::HomePosition { x, y, amsl_mm } => {
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "float32 is what missions have"
-                )]
-                let amsl_m = (f64::from(*amsl_mm) / 1000.0) as f32;
-                let home = Home {
-                    x: *x,
-                    y: *y,
-                    amsl_m,
-                };
-                if flies {
-                    self.moved = moved(self.home.as_ref().unwrap_or(&mission.home), &home);
-                } else {
-                    self.home = Some(home);
-                }
-            }
-            Message::MissionCurrent { opaque_ids, .. } => {
-                let has_ids = opaque_ids.iter().any(|id| *id != 0);
-                for at in 0..LISTS.len() {
-                    // One that says no id at all says 0 of each.
-                    let id = Some(opaque_ids[at + 1]).filter(|_| has_ids);
-                    let is_learnt = !flies || is_sent;
-                    let known = self.ids[at].filter(|_| !is_learnt).or(id);
-                    let is_other = id.is_some() && id != known;
-                    let since_s = self.others_s[at].unwrap_or(t_s);
-                    self.others_s[at] = is_other.then_some(since_s);
-                    self.ids[at] = known;
-                }
-            }
-            Message::Mission(message) if flies => {
-                let system = message.accepted_from_other(us);
-                let Some(system) = system.filter(|_| !is_sent) else {
-                    return;
-                };
-                for (at, (list, what, _)) in LISTS.iter().enumerate() {
-                    if message.mission_type == list.mission_type() {
-                        self.lists[at] = Some(format!(
-                            "acknowledged {what}, or that they were cleared, to system {system}"
-                        ));
-                    }
-                }
-            }
-            _ => {}
-        }
-    }
-}
-
-impl Elsewhere {
-    /// What is wrong with a list, by its place in [`LISTS`].
-    fn list(&self, at: usize, t_s: f64) -> Option<&str> {
-        let is_other = self.others_s[at].is_some_and(|since_s| t_s - since_s >= HEARD_OF_S);
-        let by_id = is_other.then_some(LISTS[at].2);
-        self.lists[at].as_deref().or(by_id)
-    }
-}
-
-/// In what a home differs from the one before, if it is another place.
-fn moved(before: &Home, now: &Home) -> Option<String> {
-    let across_m = readiness::place(before).chord_m(readiness::place(now));
-    let up_m = f64::from(now.amsl_m) - f64::from(before.amsl_m);
-    let off_m = across_m.max(up_m.abs());
-    (off_m > HOME_MOVES_M).then(|| format!("its home was moved by {off_m:.0} m in flight"))
-}
+/// A transfer in the air is given up after this time, and so long for each item, seconds of the wall's clock.
+const TRANSFER_S: f64 = 30.0;
+const ITEM_S: f64 = 2.0;
 
 /// The mission and the mode of one vehicle.
 #[derive(Debug)]
@@ -145,8 +42,9 @@ pub(super) struct Onboard {
     written_by: Option<(u8, f64)>,
     /// Where else it may return to.
     elsewhere: Elsewhere,
-    /// When another plan was last under way to it, seconds after T0.
-    sent_s: f64,
+    settings: Settings,
+    /// Until when another plan may be under way to it, seconds after T0.
+    sent_until_s: f64,
     beat: Option<Heartbeat>,
     /// Whether it was in its mission, and the name of the mode after it.
     was_in_mission: bool,
@@ -169,7 +67,8 @@ impl Onboard {
             differs: None,
             written_by: None,
             elsewhere: Elsewhere::default(),
-            sent_s: f64::NEG_INFINITY,
+            settings: Settings::default(),
+            sent_until_s: f64::NEG_INFINITY,
             beat: None,
             was_in_mission: false,
             cause: None,
@@ -184,8 +83,19 @@ impl Onboard {
         self.total = held.and_then(|held| u16::try_from(held).ok());
     }
 
-    /// Another mission comes.
-    pub(super) fn expect(&mut self, plan: Plan) {
+    /// Another mission comes from a time in seconds after T0 on, with the lists of `mission`. One that did not come in
+    /// the time of its transfer is not waited for, and is known all the same if it comes later. `speedup` is how much
+    /// faster than the wall's clock the time of the vehicle goes.
+    pub(super) fn expect(
+        &mut self,
+        (t_s, speedup): (f64, f64),
+        plan: Plan,
+        mission: &VehicleMission,
+    ) {
+        let items = plan.items + mission.fence.len() + mission.rally.len();
+        #[expect(clippy::cast_precision_loss, reason = "some hundreds of items")]
+        let transfer_s = TRANSFER_S + ITEM_S * items as f64;
+        self.sent_until_s = t_s + transfer_s * speedup.max(1.0);
         self.next = Some(plan);
         self.id = None;
     }
@@ -196,8 +106,14 @@ impl Onboard {
     }
 
     /// Whether it holds the mission that it should, as far as it says so, and no other one comes.
-    pub(super) fn holds_its_plan(&self) -> bool {
-        self.next.is_none() && self.differs.is_none()
+    pub(super) fn holds_its_plan(&self, t_s: f64) -> bool {
+        let is_awaited = self.next.is_some() && self.is_sent(t_s);
+        !is_awaited && self.differs.is_none()
+    }
+
+    /// Whether another plan may be under way to it.
+    fn is_sent(&self, t_s: f64) -> bool {
+        t_s < self.sent_until_s
     }
 
     /// The plan that it holds since the last call.
@@ -218,10 +134,7 @@ impl Onboard {
             (self.total, self.id, self.differs) = (None, None, None);
             self.written_by = None;
         }
-        if self.next.is_some() {
-            self.sent_s = t_s;
-        }
-        let is_sent = t_s - self.sent_s < SENT_S;
+        let is_sent = self.is_sent(t_s);
         self.elsewhere
             .handle(t_s, message, (us, mission), (flies, is_sent));
         match message {
@@ -231,7 +144,10 @@ impl Onboard {
             } => self.current(t_s, *total, opaque_ids[0]),
             // It acknowledges what was written or cleared, not what was read.
             Message::Mission(message) if message.mission_type == List::Mission.mission_type() => {
+                // What it has taken up already may be acknowledged after that.
+                let is_known = is_sent && self.next.is_none();
                 let written_by = message.accepted_from_other(us);
+                let written_by = written_by.filter(|system| !is_known || *system != us.system);
                 self.written_by = written_by.map(|system| (system, t_s)).or(self.written_by);
             }
             Message::StatusText { text, .. } if explains(text) => {
@@ -331,11 +247,12 @@ impl Onboard {
         [of.moved.as_deref(), of.list(1, t_s), of.list(0, t_s)]
     }
 
-    /// Why it may return to another place than planned.
+    /// Why it may return to another place, or on another way, than planned.
     pub(super) fn returns_elsewhere(&self, t_s: f64) -> Option<String> {
         let [home, rally, _] = self.others(t_s);
-        let why = home.or(rally)?;
-        Some(format!("{why}: where it would return to is not known"))
+        let elsewhere = home.or(rally);
+        let why = elsewhere.map(|why| format!("{why}: where it would return to is not known"));
+        why.or_else(|| self.returns_otherwise())
     }
 
     /// Who sent it on its mission, if that was heard.

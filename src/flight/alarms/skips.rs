@@ -92,7 +92,7 @@ impl Watched<'_> {
     /// Takes in which row it flies to, at a time in seconds after T0; in words, what it has skipped.
     fn take_row(&mut self, t_s: f64, row: usize, stale_s: f64) -> Option<String> {
         let here = self.here?;
-        let is_flown = self.is_on_plan() && self.duty.is_up && self.onboard.holds_its_plan();
+        let is_flown = self.is_on_plan() && self.duty.is_up && self.onboard.holds_its_plan(t_s);
         if !is_flown || row > self.onboard.items() {
             return None;
         }

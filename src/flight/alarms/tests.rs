@@ -73,6 +73,7 @@ fn plan(world: &World, from_lon_deg: f64, items: usize) -> Plan {
     Plan {
         items,
         reference: Reference::of_waypoints(waypoints, (1000.0, true), world.frame),
+        from_s: 0.0,
     }
 }
 
@@ -94,7 +95,7 @@ fn problem(spec: &MissionSpec, here_lon_deg: f64, replanned_from: Option<f64>) -
     };
     let mut alarms = Alarms::new(spec, &world, vec![watch], us, 1.0);
     if let Some(lon_deg) = replanned_from {
-        alarms.replan(0, plan(&world, lon_deg, 5));
+        alarms.replan(10.0, 0, plan(&world, lon_deg, 5));
         let current = Message::MissionCurrent {
             seq: 2,
             total: 5,
@@ -154,4 +155,178 @@ fn a_return_does_not_climb_or_come_down_through_a_zone() {
         let expected = is_closed.then(|| "its way home leads into lid".to_owned());
         assert_eq!(why, expected, "{west}");
     }
+}
+
+/// A vehicle that flies its mission of three items, whose reports come each second.
+struct Flying<'a> {
+    alarms: Alarms<'a>,
+}
+
+const US: Address = Address {
+    system: 245,
+    component: 190,
+};
+/// `replan` is another process.
+const REPLAN: Address = Address {
+    system: 245,
+    component: 31,
+};
+
+impl<'a> Flying<'a> {
+    fn new(spec: &'a MissionSpec, world: &World, mission: &'a VehicleMission) -> Self {
+        let lons_deg = [-84.28, -84.275, -84.26, -84.23];
+        let waypoints = lons_deg.iter().enumerate().map(|(item, lon_deg)| {
+            let mut of = plan(world, *lon_deg, 3).reference.waypoints[0];
+            of.item = item;
+            of
+        });
+        let reference = Reference::of_waypoints(waypoints.collect(), (1000.0, true), world.frame);
+        let vehicle = &spec.vehicles[0];
+        let watch = Watch {
+            vehicle,
+            mission,
+            reference,
+        };
+        let mut alarms = Alarms::new(spec, world, vec![watch], US, 1.0);
+        let duty = Duty {
+            flies: true,
+            is_up: true,
+            held: Some(3),
+            ..Duty::default()
+        };
+        alarms.note(0.0, 0, duty);
+        let beat = crate::link::Heartbeat {
+            kind: 2,
+            autopilot: 3,
+            base_mode: 0b1000_1001,
+            custom_mode: 3,
+            system_status: 4,
+        };
+        alarms.handle(0.0, 0, &Message::Heartbeat(beat));
+        Self { alarms }
+    }
+
+    /// It says so, at a time; the texts of its alarms of the mission since the last call.
+    fn says(&mut self, t_s: f64, message: &Message) -> Vec<String> {
+        self.alarms.handle(t_s, 0, message);
+        self.alarms.look(t_s);
+        let alarms = std::iter::from_fn(|| self.alarms.poll());
+        let alarms = alarms.filter(|of| of.is_raised && of.kind == AlarmKind::Mission);
+        alarms.map(|of| of.text).collect()
+    }
+
+    /// It flies to an item of three and has rally points with this id, for as many seconds.
+    fn flies_to(&mut self, seq: u16, rally: u32, seconds: std::ops::Range<u16>) -> Vec<String> {
+        let opaque_ids = [5, 6, rally];
+        let total = 3;
+        let current = Message::MissionCurrent {
+            seq,
+            total,
+            opaque_ids,
+        };
+        let texts = seconds.flat_map(|s| self.says(f64::from(s), &current));
+        texts.collect()
+    }
+
+    fn acknowledges(&mut self, t_s: f64, target: Address) -> Vec<String> {
+        let body = crate::link::Body::Ack {
+            result: crate::link::MissionResult::ACCEPTED,
+            opaque_id: 0,
+        };
+        let rally = Message::Mission(crate::link::MissionMessage {
+            target,
+            mission_type: 2,
+            body,
+        });
+        self.says(t_s, &rally)
+    }
+}
+
+/// With another plan, of five items, announced 10 s after T0.
+fn with_another_plan(check: impl FnOnce(&mut Flying<'_>)) {
+    let spec = spec("");
+    let world =
+        crate::world::World::new(&spec, crate::world::Terrain::Flat(Amsl(400.0))).expect("ground");
+    let mission = mission(3);
+    let mut flying = Flying::new(&spec, &world, &mission);
+    assert!(flying.flies_to(1, 7, 1..10).is_empty());
+    flying.alarms.replan(10.0, 0, plan(&world, -84.25, 5));
+    check(&mut flying);
+}
+
+#[test]
+fn a_plan_that_never_came_is_no_reason_for_other_rally_points_later() {
+    const OTHERS: &str = "the rally points on board are others (their id changed)";
+    with_another_plan(|flying| {
+        // The transfer may send them again: 30 s, and 2 s for each of five items.
+        assert!(flying.flies_to(1, 8, 11..49).is_empty());
+        assert_eq!(flying.flies_to(1, 9, 51..60), [OTHERS]);
+        let why = flying.alarms.return_problem(60.0, 0).expect("a reason");
+        assert_eq!(why, "its place is not known");
+    });
+}
+
+#[test]
+fn a_plan_that_never_came_is_no_reason_for_a_list_of_another_sortie_later() {
+    const SYSTEM: &str = "acknowledged rally points, or that they were cleared, to system 245";
+    with_another_plan(|flying| {
+        assert!(flying.acknowledges(20.0, REPLAN).is_empty());
+        assert_eq!(flying.acknowledges(51.0, REPLAN), [SYSTEM]);
+    });
+    with_another_plan(|flying| {
+        let stranger = Address {
+            system: 254,
+            component: 190,
+        };
+        let texts = flying.acknowledges(20.0, stranger);
+        assert_eq!(texts, [SYSTEM.replace("245", "254")]);
+    });
+}
+
+#[test]
+fn a_plan_that_never_came_hides_no_skipped_items_later() {
+    with_another_plan(|flying| {
+        let place = LatLon {
+            lat_deg: 36.30,
+            lon_deg: -84.278,
+        };
+        for s in [52.0, 53.0] {
+            let fix = Fix {
+                t_s: s,
+                place,
+                amsl: Amsl(480.0),
+                speed_mps: 10.0,
+                item: 1,
+                items: 3,
+                boot_ms: None,
+            };
+            let position = Position {
+                boot_ms: 10_000,
+                x: 363_000_000,
+                y: -842_780_000,
+                amsl_mm: 480_000,
+                above_home_mm: 80_000,
+                velocity_cmps: [0, 1000, 0],
+            };
+            flying.alarms.position(s, 0, fix, &position);
+        }
+        assert!(flying.flies_to(1, 7, 53..54).is_empty());
+        let texts = flying.flies_to(3, 7, 54..56);
+        assert_eq!(texts, ["skips item 2: it flies to item 3 of 3"]);
+    });
+}
+
+#[test]
+fn a_plan_that_comes_late_is_known_all_the_same() {
+    with_another_plan(|flying| {
+        let current = Message::MissionCurrent {
+            seq: 1,
+            total: 5,
+            opaque_ids: [15, 6, 7],
+        };
+        for s in 80..90 {
+            let texts = flying.says(f64::from(s), &current);
+            assert!(texts.is_empty(), "{texts:?}");
+        }
+    });
 }

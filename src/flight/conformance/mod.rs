@@ -8,6 +8,8 @@ pub(super) mod reference;
 pub(super) mod report;
 pub(super) mod speed;
 pub(super) mod takeoff;
+#[cfg(test)]
+mod tests;
 
 use super::itinerary::progress::Progress;
 use super::record::{Fix, Flight, Record};
@@ -269,8 +271,10 @@ impl<'a> FlownTrack<'a> {
         let reached = &self.flight.flown.reached;
         // What a plan before this one called by the same number is none of it.
         let begins_s = fixes.get(from).filter(|_| from > 0).map(|first| first.t_s);
+        // Nor is what the next one calls so.
+        let next_s = self.fixes().get(part.fixes.end).map(|next| next.t_s);
         let ends_s = fixes.last().map_or(0.0, |last| last.t_s);
-        let flown_by_it = begins_s.unwrap_or(f64::NEG_INFINITY)..=ends_s + GAP_S;
+        let flown_by_it = begins_s.unwrap_or(f64::NEG_INFINITY)..next_s.unwrap_or(ends_s + GAP_S);
         let mut found = Vec::new();
         for (index, waypoint) in plan.waypoints.iter().enumerate().skip(part.ahead) {
             let next = plan.waypoints.get(index + 1).map_or(usize::MAX, |w| w.item);

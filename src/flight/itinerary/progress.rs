@@ -11,9 +11,8 @@ use std::sync::Arc;
 use super::rows::{StopRows, rows_of};
 use super::state::{Seen, Served, ServiceState};
 use super::stops::{Itinerary, Service, ServiceKind};
-use crate::flight::conformance::reference::Reference;
-use crate::flight::record::Flight;
 use crate::flight::record::fix::Fix;
+use crate::flight::record::{Flight, Plan};
 use crate::geodesy::LatLon;
 use crate::spec::Airframe;
 
@@ -43,7 +42,7 @@ const LOW_M: f64 = 0.5;
 /// A mission, by its number of items, and the rows of each stop in it.
 #[derive(Clone, Debug)]
 struct Mission {
-    items: usize,
+    plan: Plan,
     rows: Vec<Option<Arc<StopRows>>>,
 }
 
@@ -98,7 +97,7 @@ impl Progress {
     pub(crate) fn recorded(flight: &Flight, airframe: Airframe) -> Self {
         let mut progress = Self::new(flight.itinerary.clone(), airframe);
         for plan in &flight.plans {
-            progress.add_mission(plan.items, &plan.reference);
+            progress.add_mission(plan);
         }
         let mut reached = flight.flown.reached.iter().peekable();
         for fix in &flight.flown.fixes {
@@ -112,10 +111,17 @@ impl Progress {
     }
 
     /// It may fly another mission from now on: once it says that it holds as many items.
-    pub(crate) fn add_mission(&mut self, items: usize, reference: &Reference) {
-        let rows = rows_of(&self.itinerary, reference).into_iter();
+    pub(crate) fn add_mission(&mut self, plan: &Plan) {
+        let rows = rows_of(&self.itinerary, &plan.reference).into_iter();
         let rows = rows.map(|rows| rows.map(Arc::new)).collect();
-        self.missions.push(Mission { items, rows });
+        let plan = plan.clone();
+        self.missions.push(Mission { plan, rows });
+    }
+
+    /// Index of the mission that it flies.
+    #[cfg(test)]
+    pub(crate) fn mission(&self) -> usize {
+        self.mission
     }
 
     /// Nothing of what was seen so far is news.
@@ -156,7 +162,7 @@ impl Progress {
     /// Takes in a position.
     pub(crate) fn take(&mut self, fix: &Fix) {
         let before = self.here.replace(fix.place).unwrap_or(fix.place);
-        self.change_mission(fix.items);
+        self.change_mission(fix);
         for at in 0..self.stops.len() {
             let Some(rows) = self.rows(at) else { continue };
             if self.stops[at].seen.done_s.is_some() {
@@ -206,13 +212,13 @@ impl Progress {
     }
 
     /// As [`Flight::plan_of_each`] has it.
-    fn change_mission(&mut self, items: usize) {
-        let is = |of: &Mission| of.items == items;
-        if items == 0 || self.missions.get(self.mission).is_some_and(is) {
+    fn change_mission(&mut self, fix: &Fix) {
+        let is = |of: &Mission| of.plan.items == fix.items;
+        if fix.items == 0 || self.missions.get(self.mission).is_some_and(is) {
             return;
         }
         let mut later = self.missions.iter().enumerate().skip(self.mission + 1);
-        if let Some((number, _)) = later.find(|(_, of)| is(of)) {
+        if let Some((number, _)) = later.rfind(|(_, of)| of.plan.may_begin(fix.items, fix.t_s)) {
             let before = std::mem::replace(&mut self.mission, number);
             for (at, stop) in self.stops.iter_mut().enumerate() {
                 let [old, new] = [before, number].map(|of| self.missions[of].rows[at].as_ref());

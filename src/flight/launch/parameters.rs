@@ -1,5 +1,7 @@
 //! The parameters that the verdict assumes, against those of the vehicle.
 
+use std::collections::BTreeMap;
+
 use crate::autopilot::{in_unit_of, other_name};
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
 use crate::mission::{Parameter, is_lean_limit};
@@ -8,6 +10,24 @@ use crate::mission::{Parameter, is_lean_limit};
 const REPEAT_MS: u64 = 400;
 /// Requests before a parameter counts as unknown to the vehicle.
 const MOST: u8 = 6;
+
+/// A parameter that the vehicle says to be another one is read again as often, after it was checked.
+const READ_AGAIN: u8 = 3;
+
+/// A parameter that the vehicle says to have another value than the verdict assumes.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::flight) struct OtherSetting {
+    /// As the vehicle names it.
+    pub(in crate::flight) name: String,
+    /// In its unit.
+    pub(in crate::flight) value: f32,
+    pub(in crate::flight) planned: f32,
+    /// When it was first said to be another one.
+    since: Time,
+    /// How often it was read again since then, and when it is next.
+    read: u8,
+    due: Time,
+}
 
 /// One parameter after the other, read and, if requested, set.
 #[derive(Clone, Debug)]
@@ -26,6 +46,10 @@ pub(crate) struct SettingsCheck<'a> {
     /// Names that the vehicle does not have.
     unknown: Vec<&'a str>,
     differences: Vec<String>,
+    /// What differed when it was read, by the place in `planned`.
+    accepted: BTreeMap<usize, OtherSetting>,
+    /// What the vehicle says to be other than when it was read.
+    others: BTreeMap<usize, OtherSetting>,
 }
 
 impl<'a> SettingsCheck<'a> {
@@ -42,7 +66,65 @@ impl<'a> SettingsCheck<'a> {
             bytewise,
             unknown: Vec::new(),
             differences: Vec::new(),
+            accepted: BTreeMap::new(),
+            others: BTreeMap::new(),
         }
+    }
+
+    /// Of a vehicle in flight, which was checked before.
+    pub(crate) fn of_flight(planned: &'a [Parameter], bytewise: bool, now: Time) -> Self {
+        let at = planned.len();
+        Self {
+            at,
+            ..Self::new(planned, false, bytewise, now)
+        }
+    }
+
+    /// What the vehicle has said to be other than when it was read, for as long as this, milliseconds.
+    pub(in crate::flight) fn others(&self, now: Time, for_ms: u64) -> Vec<OtherSetting> {
+        let lasting = |of: &&OtherSetting| now - of.since >= for_ms;
+        self.others.values().filter(lasting).cloned().collect()
+    }
+
+    /// What of the return differs, or did when it was read.
+    pub(in crate::flight) fn other_of_return(&self) -> Option<&OtherSetting> {
+        let mut all = self.others.values().chain(self.accepted.values());
+        all.find(|of| of.is_of_return())
+    }
+
+    /// Takes in a parameter that was read before.
+    fn heard_again(&mut self, now: Time, name: &str, value: f32) {
+        let place = |is: &dyn Fn(&Parameter) -> bool| self.planned.iter().position(is);
+        let by_name = place(&|planned| planned.name == name);
+        let found = by_name.or_else(|| place(&|planned| is_name_of(name, planned)));
+        let Some(at) = found.filter(|at| *at < self.at) else {
+            return;
+        };
+        let planned = value_as(&self.planned[at], name);
+        let accepted = self.accepted.get(&at);
+        let is_known = accepted.is_some_and(|of| of.name == name && is_same(value, of.value));
+        if is_known || suffices(name, value, planned) {
+            self.others.remove(&at);
+            return;
+        }
+        let other = self.others.entry(at).or_insert_with(|| OtherSetting {
+            name: name.to_owned(),
+            value,
+            planned,
+            since: now,
+            read: 0,
+            due: now,
+        });
+        (other.name, other.value, other.planned) = (name.to_owned(), value, planned);
+    }
+
+    /// Reads again what was said to be another one: an old answer may have come late.
+    fn read_again(&mut self, now: Time, target: Address) -> Option<Message> {
+        let is_due = |of: &&mut OtherSetting| of.read < READ_AGAIN && now >= of.due;
+        let other = self.others.values_mut().find(is_due)?;
+        (other.read, other.due) = (other.read + 1, now + REPEAT_MS);
+        let name = other.name.clone();
+        Some(Message::Flight(FlightMessage::ParamRead { target, name }))
     }
 
     /// Every difference in a sentence, once all were read.
@@ -52,13 +134,14 @@ impl<'a> SettingsCheck<'a> {
 
     /// Takes in a parameter of the vehicle.
     pub(crate) fn heard(&mut self, now: Time, name: &str, held: ParamValue) {
+        let value = held.value(self.bytewise);
         let at_work = self.planned.get(self.at);
         let Some(planned) = at_work.filter(|planned| is_name_of(name, planned)) else {
-            return;
+            return self.heard_again(now, name, value);
         };
         let planned_value = value_as(planned, name);
-        let value = held.value(self.bytewise);
         if suffices(name, value, planned_value) {
+            self.others.remove(&self.at);
             return self.next(now);
         }
         if self.set && self.setting.is_none() {
@@ -69,13 +152,24 @@ impl<'a> SettingsCheck<'a> {
                 "parameter {name} is {value}, the verdict assumes {planned_value} ({})",
                 planned.why
             ));
+            let other = OtherSetting {
+                name: name.to_owned(),
+                value,
+                planned: planned_value,
+                since: now,
+                read: READ_AGAIN,
+                due: now,
+            };
+            self.accepted.insert(self.at, other);
             self.next(now);
         }
     }
 
     /// The message that is due, if any.
     pub(crate) fn poll(&mut self, now: Time, target: Address) -> Option<Message> {
-        let planned = self.planned.get(self.at)?;
+        let Some(planned) = self.planned.get(self.at) else {
+            return self.read_again(now, target);
+        };
         if now < self.due {
             return None;
         }
@@ -138,6 +232,26 @@ impl<'a> SettingsCheck<'a> {
     }
 }
 
+impl OtherSetting {
+    /// Whether it says how high a vehicle returns, how, or where to.
+    fn is_of_return(&self) -> bool {
+        self.name.contains("RTL_") || self.name.starts_with("RALLY_")
+    }
+
+    /// What an operator reads of it.
+    pub(in crate::flight) fn words(&self) -> String {
+        format!("{} is {}, planned {}", self.name, self.value, self.planned)
+    }
+
+    /// What one who waits for T0 reads of it.
+    pub(in crate::flight) fn changed(&self) -> String {
+        format!(
+            "it says that {} is {} and not {}, after it was checked",
+            self.name, self.value, self.planned
+        )
+    }
+}
+
 /// Whether a vehicle has a planned parameter under this name, in whichever version.
 fn is_name_of(name: &str, planned: &Parameter) -> bool {
     planned.name == name || other_name(&planned.name) == Some(name)
@@ -157,12 +271,12 @@ fn value_as(planned: &Parameter, name: &str) -> f32 {
 
 /// As the verdict assumes it; a greater lean angle is as good.
 fn suffices(name: &str, held: f32, planned: f32) -> bool {
-    is_same(held, planned) || is_lean_limit(name) && held > planned
+    is_same(held, planned) || is_lean_limit(name) && held.is_finite() && held > planned
 }
 
 /// Equal as far as a float32 that went through centimetres can be.
 fn is_same(a: f32, b: f32) -> bool {
-    (a - b).abs() <= 1e-4 * a.abs().max(b.abs()).max(1.0)
+    a.is_finite() && b.is_finite() && (a - b).abs() <= 1e-4 * a.abs().max(b.abs()).max(1.0)
 }
 
 #[cfg(test)]
@@ -244,6 +358,77 @@ mod tests {
         assert!(suffices("ANGLE_MAX", 4500.0, 3000.0) && suffices("MPC_TILTMAX_AIR", 50.0, 45.0));
         assert!(!suffices("ANGLE_MAX", 2000.0, 3000.0));
         assert!(!suffices("WPNAV_SPEED", 1100.0, 1000.0));
+    }
+
+    #[test]
+    fn a_value_that_is_no_number_is_as_planned_of_nothing() {
+        for held in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            for name in ["WPNAV_SPEED", "ANGLE_MAX", "FENCE_ENABLE"] {
+                assert!(!suffices(name, held, 1000.0), "{name} {held}");
+            }
+            let found = checked(&[("RTL_ALT", 4000.0)], false, |_, _| Some(held)).0;
+            assert_eq!(found.len(), 1, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_parameter_that_is_said_to_be_another_one_after_it_was_read_is_named_until_it_is_as_planned()
+     {
+        let planned = [("WPNAV_SPEED", 1000.0), ("RTL_ALT", 10_600.0)];
+        let planned: Vec<Parameter> = (planned.iter())
+            .map(|(name, value)| Parameter {
+                name: (*name).to_owned(),
+                value: *value,
+                why: String::new(),
+            })
+            .collect();
+        let mut check = SettingsCheck::new(&planned, false, false, Time(0));
+        let says = |check: &mut SettingsCheck<'_>, ms, name: &str, value: f32| {
+            check.heard(Time(ms), name, ParamValue::float(value));
+            let others = check.others(Time(ms), 0);
+            others.iter().map(OtherSetting::words).collect::<Vec<_>>()
+        };
+        // Not read yet, and of no concern.
+        assert!(says(&mut check, 0, "RTL_ALT", 1500.0).is_empty());
+        assert!(says(&mut check, 0, "WPNAV_SPEED", 1000.0).is_empty());
+        // Read, while another one is at work.
+        let speed = says(&mut check, 10, "WPNAV_SPEED", 500.0);
+        assert_eq!(speed, ["WPNAV_SPEED is 500, planned 1000"]);
+        assert!(says(&mut check, 20, "WPNAV_SPEED", 1000.0).is_empty());
+        assert!(says(&mut check, 30, "RTL_ALT", 10_600.0).is_empty());
+        assert!(check.outcome().is_some_and(<[String]>::is_empty));
+        assert_eq!(check.other_of_return(), None);
+        let height = says(&mut check, 100, "RTL_ALT_M", 15.0);
+        assert_eq!(height, ["RTL_ALT_M is 15, planned 106"]);
+        assert!(check.other_of_return().is_some());
+        assert!(check.others(Time(1000), 1000).is_empty());
+        assert_eq!(check.others(Time(1100), 1000).len(), 1);
+        let target = Address {
+            system: 1,
+            component: 1,
+        };
+        let asked = (0..100).filter_map(|n| check.poll(Time(100 + 100 * n), target));
+        assert_eq!(asked.count(), usize::from(READ_AGAIN));
+        assert!(says(&mut check, 9000, "RTL_ALT_M", 106.0).is_empty());
+        assert_eq!(check.other_of_return(), None);
+    }
+
+    #[test]
+    fn a_difference_that_is_flown_all_the_same_is_no_news_and_may_be_one_of_the_return() {
+        let planned = [Parameter {
+            name: "RTL_ALT".to_owned(),
+            value: 4000.0,
+            why: String::new(),
+        }];
+        let mut check = SettingsCheck::new(&planned, false, false, Time(0));
+        check.heard(Time(0), "RTL_ALT", ParamValue::float(1500.0));
+        assert_eq!(check.outcome().map(<[String]>::len), Some(1));
+        check.heard(Time(10), "RTL_ALT", ParamValue::float(1500.0));
+        assert!(check.others(Time(10), 0).is_empty());
+        let of_return = check.other_of_return().map(OtherSetting::words);
+        assert_eq!(of_return.as_deref(), Some("RTL_ALT is 1500, planned 4000"));
+        check.heard(Time(20), "RTL_ALT", ParamValue::float(2000.0));
+        assert_eq!(check.others(Time(20), 0).len(), 1);
     }
 
     /// A vehicle of ArduCopter 4.7, with these of its parameters: what differs, and what is set.

@@ -56,6 +56,18 @@ pub(crate) fn version_problem(mission: &VehicleMission, found: Option<Version>) 
     }
 }
 
+/// What an operator reads of a vehicle that may run another version than was judged, and does not say which it runs.
+pub(crate) fn unknown_version(mission: &VehicleMission, found: Option<Version>) -> Option<String> {
+    let range = mission.facts().heights_at_once?;
+    let is_unknown = found.is_none() && mission.autopilot_version.is_none();
+    let name = mission.autopilot.name();
+    is_unknown.then(|| {
+        format!(
+            "WARNING: its version is unknown: {name} {range} climbs and descends at the start of each leg, which was not judged"
+        )
+    })
+}
+
 /// In what the lists on board differ from the plan's, in sentences.
 pub(crate) fn list_problems(mission: &VehicleMission, onboard: &Onboard) -> Vec<String> {
     let autopilot = onboard.autopilot.unwrap_or(mission.autopilot);
@@ -139,9 +151,17 @@ mod tests {
         assert!(problem.contains("autopilot_version: \"1.18\""), "{problem}");
         assert_eq!(version_problem(&unnamed, version("1.17")), None);
         assert_eq!(version_problem(&unnamed, None), None);
+        let warning = unknown_version(&unnamed, None).expect("a warning");
+        assert!(
+            warning.contains("version is unknown: PX4 1.18"),
+            "{warning}"
+        );
+        assert_eq!(unknown_version(&unnamed, version("1.17")), None);
         let named = mission(Autopilot::Px4, Airframe::Copter, version("1.18"));
         assert_eq!(version_problem(&named, version("1.18")), None);
         let plane = mission(Autopilot::Px4, Airframe::Plane, None);
         assert_eq!(version_problem(&plane, version("1.18")), None);
+        assert_eq!(unknown_version(&plane, None), None);
+        assert_eq!(unknown_version(&named, None), None);
     }
 }

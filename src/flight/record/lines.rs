@@ -310,7 +310,7 @@ impl ThreatLine {
 }
 
 impl PlanLine {
-    pub(crate) fn plan(self, frame: LocalFrame) -> Result<Plan, String> {
+    pub(crate) fn plan(self, frame: LocalFrame, from_s: f64) -> Result<Plan, String> {
         let waypoint = |line: WaypointLine| {
             let place = place(line.lat_deg, line.lon_deg)?;
             Ok(Waypoint {
@@ -348,6 +348,7 @@ impl PlanLine {
         Ok(Plan {
             items: self.items,
             reference: Reference::of_waypoints(waypoints, (self.end_s, self.lands), frame),
+            from_s,
         })
     }
 }

@@ -17,6 +17,8 @@ use crate::spec::{Action, AlarmKind, Threat};
 
 /// Items reached that are taken down of one vehicle within [`PERIOD_S`].
 const MAX_REACHED: usize = 100;
+/// Times of vehicles and of `replan` may be apart by this, seconds.
+const CLOCKS_S: f64 = 1.0;
 /// Seconds of flight.
 const PERIOD_S: f64 = 10.0;
 
@@ -50,6 +52,15 @@ pub struct Plan {
     pub items: usize,
     /// What is flown is held against this.
     pub reference: Reference,
+    /// When it was recorded, seconds after T0: before it is sent.
+    pub from_s: f64,
+}
+
+impl Plan {
+    /// Whether a vehicle that holds another number of items from a time in seconds after T0 on may fly it then.
+    pub(super) fn may_begin(&self, items: usize, t_s: f64) -> bool {
+        self.items == items && self.from_s <= t_s + CLOCKS_S
+    }
 }
 
 /// A threat that was not there when the fleet took off.
@@ -153,16 +164,18 @@ impl Flown {
 }
 
 impl Flight {
-    /// Which of the plans each position was flown by: a vehicle flies the next one from
-    /// where it first says that it holds as many items, and those before it no longer.
+    /// Which of the plans each position was flown by: a vehicle flies a later one from
+    /// where it first says that it holds as many items, and those before it no longer. Of several it is
+    /// the last that was recorded by then: one before that was sent, and did not come.
     #[must_use]
     pub fn plan_of_each(&self) -> Vec<usize> {
         let mut at = 0;
         let of = |fix: &Fix| {
             let items = |plan: usize| self.plans.get(plan).map(|plan| plan.items);
             if fix.items > 0 && items(at) != Some(fix.items) {
-                let next = (at + 1..self.plans.len()).find(|&next| items(next) == Some(fix.items));
-                at = next.unwrap_or(at);
+                let mut later = self.plans.iter().enumerate().skip(at + 1);
+                let next = later.rfind(|(_, plan)| plan.may_begin(fix.items, fix.t_s));
+                at = next.map_or(at, |(next, _)| next);
             }
             at
         };
@@ -173,6 +186,9 @@ impl Flight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flight::itinerary::progress::Progress;
+    use crate::geodesy::{Amsl, LatLon, LocalFrame};
+    use crate::spec::Airframe;
 
     #[test]
     fn an_item_is_reached_once_however_often_that_is_said_and_again_in_a_later_plan() {
@@ -182,6 +198,68 @@ mod tests {
         let items: Vec<usize> = flown.reached.iter().map(|of| of.0).collect();
         assert_eq!(items, [1, 2, 3, 1, 2]);
         assert_eq!(news.iter().filter(|is_new| **is_new).count(), 5);
+    }
+
+    #[test]
+    fn of_plans_with_one_number_of_items_the_last_that_was_recorded_by_then_is_flown() {
+        let frame = LocalFrame::new(LatLon {
+            lat_deg: 36.3,
+            lon_deg: -84.2,
+        });
+        let plan = |(items, from_s): (usize, f64)| Plan {
+            items,
+            reference: Reference::of_waypoints(Vec::new(), (100.0, true), frame),
+            from_s,
+        };
+        let fix = |(t_s, items): (f64, usize)| Fix {
+            t_s,
+            place: LatLon {
+                lat_deg: 36.3,
+                lon_deg: -84.2,
+            },
+            amsl: Amsl(480.0),
+            speed_mps: 10.0,
+            item: 1,
+            items,
+            boot_ms: None,
+        };
+        let flown_by = |plans: &[(usize, f64)], fixes: &[(f64, usize)]| {
+            let plans: Vec<Plan> = plans.iter().copied().map(plan).collect();
+            let mut progress = Progress::new(Itinerary::default(), Airframe::Copter);
+            for plan in &plans {
+                progress.add_mission(plan);
+            }
+            let mut flight = Flight {
+                vehicle: "alpha".to_owned(),
+                plans,
+                flown: Flown::default(),
+                itinerary: Itinerary::default(),
+            };
+            flight.flown.fixes = fixes.iter().copied().map(fix).collect();
+            let plan_of = flight.plan_of_each();
+            for (fix, plan) in flight.flown.fixes.iter().zip(&plan_of) {
+                progress.take(fix);
+                assert_eq!(progress.mission(), *plan);
+            }
+            plan_of
+        };
+        // The replan of 40 s died before it was sent; or after that.
+        let plans = [(9, 0.0), (11, 40.0), (11, 80.0)];
+        assert_eq!(
+            flown_by(&plans, &[(30.0, 9), (70.0, 9), (90.0, 11)]),
+            [0, 0, 2]
+        );
+        assert_eq!(
+            flown_by(&plans, &[(30.0, 9), (70.0, 11), (90.0, 11)]),
+            [0, 1, 1]
+        );
+        // What was not recorded yet cannot be it.
+        assert_eq!(flown_by(&plans, &[(20.0, 11), (30.0, 9)]), [0, 0]);
+        let back = [(9, 0.0), (11, 40.0), (9, 80.0)];
+        assert_eq!(
+            flown_by(&back, &[(50.0, 11), (70.0, 9), (90.0, 9)]),
+            [1, 1, 2]
+        );
     }
 
     #[test]

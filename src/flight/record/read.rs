@@ -231,7 +231,7 @@ impl Reading {
             }
             Line::Plan { t_s, vehicle, plan } => {
                 self.check(t_s, &vehicle)?;
-                let plan = plan.plan(self.frame)?;
+                let plan = plan.plan(self.frame, t_s)?;
                 self.of(&vehicle).plans.push(plan);
             }
             Line::Itinerary { vehicle, itinerary } => self.itinerary(&vehicle, itinerary)?,

@@ -66,6 +66,7 @@ impl NewMission {
             plan: Plan {
                 items,
                 reference: Reference::of_waypoints(Vec::new(), (0.0, state.lands), frame),
+                from_s: 0.0,
             },
         })
     }
@@ -85,6 +86,7 @@ impl NewMission {
             radius_m: 0.0,
             late_s: 0.0,
         };
+        self.plan.from_s = now_s;
         self.plan.reference = Reference::of_waypoints(
             std::iter::once(origin).chain(ahead).collect(),
             (judged.end_s, judged.lands),

@@ -78,7 +78,7 @@ impl<'a> Observer<'a> {
         let vehicles = missions.map(|(index, _)| {
             let sysid = plan.vehicle(*index).sysid;
             let known = Known {
-                reading: Reading::new(Some(sysid), links.us(), clock.now()),
+                reading: Reading::new(Some(sysid), links.us(), clock.now()).in_the_air(),
                 beat: None,
                 position: None,
                 flown: Vec::new(),

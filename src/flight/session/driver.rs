@@ -126,6 +126,7 @@ impl<'a> Driver<'a> {
             let of = Plan {
                 items: mission.items.len(),
                 reference: reference.clone(),
+                from_s: 0.0,
             };
             Line::of_plan(&plan.vehicle(*index).id, 0.0, &of).text()
         });
@@ -344,8 +345,12 @@ fn replan_lines(
             fleet.heed_threat(threat.clone(), t_s);
             (Line::Threat { t_s, threat }.text(), None, text)
         }
-        Ok(Line::Plan { vehicle, plan, .. }) => {
-            fleet.heed_plan(&vehicle, plan);
+        Ok(Line::Plan {
+            t_s: given_s,
+            vehicle,
+            plan,
+        }) => {
+            fleet.heed_plan(now, &vehicle, (given_s, plan));
             let text = "is sent another plan by replan".to_owned();
             (line, Some(vehicle), text)
         }

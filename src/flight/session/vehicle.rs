@@ -23,7 +23,7 @@ use crate::flight::conformance::reference::Reference;
 use crate::flight::itinerary::progress::Progress;
 use crate::flight::itinerary::stops::Itinerary;
 use crate::flight::launch::parameters::SettingsCheck;
-use crate::flight::record::{Fix, Flown};
+use crate::flight::record::{Fix, Flown, Plan};
 use crate::link::{
     Address, Command, CommandResult, Heartbeat, Message, Order, Reading, Session, Time,
 };
@@ -236,6 +236,17 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// Nothing is done yet of what it shall do.
+fn progress_of(of: &Assignment<'_>) -> Progress {
+    let mut progress = Progress::new(of.itinerary.clone(), of.mission.airframe);
+    progress.add_mission(&Plan {
+        items: of.mission.items.len(),
+        reference: of.reference.clone(),
+        from_s: 0.0,
+    });
+    progress
+}
+
 impl<'a> FlightVehicle<'a> {
     pub(crate) fn new(
         of: Assignment<'a>,
@@ -245,8 +256,7 @@ impl<'a> FlightVehicle<'a> {
         now: Time,
     ) -> Self {
         let stage = Stage::begin(&of, others, us, now);
-        let mut progress = Progress::new(of.itinerary.clone(), of.mission.airframe);
-        progress.add_mission(of.mission.items.len(), &of.reference);
+        let progress = progress_of(&of);
         Self {
             of,
             us,

@@ -1,4 +1,6 @@
-//! Reads everything that one vehicle holds: discovery, then fence, rally and mission.
+//! Reads everything that one vehicle holds: discovery, then fence, rally and mission, then whether they are so still.
+
+mod again;
 
 use std::collections::VecDeque;
 
@@ -61,7 +63,18 @@ pub struct Reading {
     /// When another component of the vehicle was first heard.
     companion: Option<Time>,
     vehicle: Option<(Address, Heartbeat)>,
+    /// Index into [`ORDER`].
+    at: usize,
     lists: Vec<Vec<Item>>,
+    /// The vehicle's own ids of them; 0 of those that it gives none.
+    ids: Vec<u32>,
+    /// Whether the lists are looked at again in the end, and whether that has begun.
+    looks_again: bool,
+    is_last_look: bool,
+    /// Who was heard to write to the vehicle since it began, and its list (none for all of them).
+    foreign: Option<(u8, Option<List>)>,
+    /// How often it was begun anew.
+    again: u32,
     unknown: Vec<List>,
     home: Option<Home>,
     outcome: Option<Result<Onboard, Failure>>,
@@ -74,6 +87,11 @@ enum Stage {
         until: Time,
     },
     Reading(Download),
+    /// Waits until nobody writes to the vehicle, not for ever.
+    Quiet {
+        until: Time,
+        latest: Time,
+    },
     /// Waits for `HOME_POSITION`.
     AwaitingHome {
         until: Time,
@@ -96,11 +114,23 @@ impl Reading {
             heard: Vec::new(),
             companion: None,
             vehicle: None,
+            at: 0,
             lists: Vec::new(),
+            ids: Vec::new(),
+            looks_again: true,
+            is_last_look: false,
+            foreign: None,
+            again: 0,
             unknown: Vec::new(),
             home: None,
             outcome: None,
         }
+    }
+
+    /// Reads every list once: a vehicle in flight flies on meanwhile.
+    pub(crate) fn in_the_air(mut self) -> Self {
+        self.looks_again = false;
+        self
     }
 
     /// Takes in a message of any sender.
@@ -119,7 +149,8 @@ impl Reading {
                 let amsl_m = (f64::from(amsl_mm) / 1000.0) as f32;
                 self.home = Some(Home { x, y, amsl_m });
             }
-            Message::Mission(_) => {
+            Message::Mission(mission) => {
+                self.look_for_foreign(now, from, mission);
                 if let Stage::Reading(download) = &mut self.stage {
                     download.handle(now, from, message);
                 }
@@ -142,7 +173,8 @@ impl Reading {
             Stage::Discovery { until } if now >= *until => self.discovery_timeout(now),
             Stage::Reading(download) => download.handle_timeout(now),
             Stage::AwaitingHome { until } if now >= *until => self.end(),
-            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => {}
+            Stage::Quiet { until, .. } if now >= *until => self.read_anew(now),
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } | Stage::Quiet { .. } => {}
         }
         self.advance(now);
     }
@@ -154,7 +186,7 @@ impl Reading {
         }
         match &mut self.stage {
             Stage::Reading(download) => download.poll_transmit(),
-            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => None,
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } | Stage::Quiet { .. } => None,
         }
     }
 
@@ -165,7 +197,9 @@ impl Reading {
             return None;
         }
         let stage = match &self.stage {
-            Stage::Discovery { until } | Stage::AwaitingHome { until } => Some(*until),
+            Stage::Discovery { until }
+            | Stage::AwaitingHome { until }
+            | Stage::Quiet { until, .. } => Some(*until),
             Stage::Reading(download) => download.poll_timeout(),
         };
         Some(stage.map_or(self.heartbeat_due, |due| due.min(self.heartbeat_due)))
@@ -181,8 +215,8 @@ impl Reading {
     #[must_use]
     pub fn progress(&self) -> Option<(List, usize)> {
         match &self.stage {
-            Stage::Reading(download) => Some((*ORDER.get(self.lists.len())?, download.progress())),
-            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => None,
+            Stage::Reading(download) => Some((*ORDER.get(self.at)?, download.progress())),
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } | Stage::Quiet { .. } => None,
         }
     }
 
@@ -270,12 +304,22 @@ impl Reading {
         let Some((vehicle, _)) = self.vehicle else {
             return;
         };
-        match ORDER.get(self.lists.len()) {
+        match ORDER.get(self.at) {
             Some(&list) => {
                 let us = self.us;
                 let route = Route { us, vehicle, list };
                 let deadline = self.began + READING_MS;
-                self.stage = Stage::Reading(Download::new(route, deadline, now));
+                let mut download = Download::new(route, deadline, now);
+                if self.is_last_look {
+                    let id = self.ids.get(self.at).copied().unwrap_or_default();
+                    download = download.with_window(self.window()).unless_id(id);
+                }
+                self.stage = Stage::Reading(download);
+            }
+            None if self.foreign.is_some() => self.begin_anew(now),
+            None if self.looks_again && !self.is_last_look => {
+                (self.at, self.is_last_look) = (0, true);
+                self.read(now);
             }
             None => {
                 self.take_home_row();
@@ -296,18 +340,28 @@ impl Reading {
                 let Some(ended) = download.outcome().cloned() else {
                     return;
                 };
+                let (id, is_unchanged) = (download.opaque_id(), download.is_unchanged());
                 // The closing ACK is still in there.
                 while let Some(message) = download.poll_transmit() {
                     self.outbox.push_back(message);
                 }
-                self.listed(now, ended);
+                match self.is_last_look {
+                    true if is_unchanged => self.next(now),
+                    true => self.looked(now, ended),
+                    false => self.listed(now, ended, id),
+                }
             }
-            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => {}
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } | Stage::Quiet { .. } => {}
         }
     }
 
-    fn listed(&mut self, now: Time, ended: Result<Vec<Item>, DownloadError>) {
-        let Some(&list) = ORDER.get(self.lists.len()) else {
+    fn next(&mut self, now: Time) {
+        self.at += 1;
+        self.read(now);
+    }
+
+    fn listed(&mut self, now: Time, ended: Result<Vec<Item>, DownloadError>, id: u32) {
+        let Some(&list) = ORDER.get(self.at) else {
             return;
         };
         match ended {
@@ -320,15 +374,21 @@ impl Reading {
             }
             Err(error) => return self.fail(Failure::ReadBack { list, error }),
         }
-        self.read(now);
+        self.ids.push(id);
+        self.next(now);
+    }
+
+    /// Whether the first row of the mission is its home.
+    fn counts_home(&self) -> bool {
+        self.vehicle.is_some_and(|(_, heartbeat)| {
+            Autopilot::of_mavlink(heartbeat.autopilot)
+                .is_some_and(|autopilot| autopilot.conventions().counts_home)
+        })
     }
 
     /// ArduPilot's first row is its home, or zeros as long as it has none.
     fn take_home_row(&mut self) {
-        let counts_home = self.vehicle.is_some_and(|(_, heartbeat)| {
-            Autopilot::of_mavlink(heartbeat.autopilot)
-                .is_some_and(|autopilot| autopilot.conventions().counts_home)
-        });
+        let counts_home = self.counts_home();
         let Some(mission) = self.lists.last_mut().filter(|items| !items.is_empty()) else {
             return;
         };

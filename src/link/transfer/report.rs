@@ -187,6 +187,17 @@ pub enum Failure {
         /// The system id of the other station.
         system: u8,
     },
+    /// What a vehicle holds changed again and again while it was read.
+    #[error(
+        "{}: changed {}while it was read, again and again; read it again while no other station writes to the vehicle",
+        list_text(*.list), system.map_or_else(String::new, |system| format!("by system {system} "))
+    )]
+    ChangedWhileRead {
+        /// Which list; none for all of them.
+        list: Option<List>,
+        /// The system id of the other station, if it was heard.
+        system: Option<u8>,
+    },
     /// The whole transfer took too long.
     #[error("not finished within {after_s} s")]
     OutOfTime {

@@ -43,30 +43,37 @@ impl<'a> Fleet<'a> {
         let speedup = self.options.speedup;
         self.alarms = watches.map(|fleet| Alarms::new(spec, world, fleet, self.us, speedup));
         // What was sent before its flight was taken over.
+        let t_s = self.t_s(self.last).unwrap_or(0.0);
         let vehicles = self.vehicles.iter().enumerate();
         for (index, vehicle) in vehicles {
             if let (Some(alarms), Some((items, reference))) =
                 (&mut self.alarms, &vehicle.total.next)
             {
                 let (items, reference) = (*items, reference.clone());
-                alarms.replan(index, Plan { items, reference });
+                let plan = Plan {
+                    items,
+                    reference,
+                    from_s: t_s,
+                };
+                alarms.replan(t_s, index, plan);
             }
         }
         self
     }
 
     /// A vehicle is sent another plan. One that cannot be read is reported by the verdict.
-    pub(super) fn heed_plan(&mut self, vehicle: &str, plan: PlanLine) {
+    pub(super) fn heed_plan(&mut self, now: Time, vehicle: &str, (given_s, plan): (f64, PlanLine)) {
+        let t_s = self.t_s(now).unwrap_or(0.0);
         let index = self.vehicles.iter().position(|of| of.of.vehicle == vehicle);
         let Some(index) = index else { return };
         let vehicle = &mut self.vehicles[index];
-        let Ok(plan) = plan.plan(*vehicle.of.reference.frame()) else {
+        let Ok(plan) = plan.plan(*vehicle.of.reference.frame(), given_s) else {
             return;
         };
-        vehicle.progress.add_mission(plan.items, &plan.reference);
+        vehicle.progress.add_mission(&plan);
         vehicle.total.next = Some((plan.items, plan.reference.clone()));
         if let Some(alarms) = &mut self.alarms {
-            alarms.replan(index, plan);
+            alarms.replan(t_s, index, plan);
         }
     }
 
@@ -120,6 +127,7 @@ impl<'a> Fleet<'a> {
                 held: vehicle.total.ready,
             };
             alarms.note(t_s, index, duty);
+            alarms.take_settings(index, vehicle.other_settings());
         }
         alarms.look(t_s);
         for (index, vehicle) in self.vehicles.iter_mut().enumerate() {

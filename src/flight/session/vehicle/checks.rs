@@ -2,7 +2,7 @@
 
 use super::{FlightVehicle, Stage};
 use crate::autopilot::Autopilot;
-use crate::flight::launch::parameters::SettingsCheck;
+use crate::flight::launch::parameters::{OtherSetting, SettingsCheck};
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
 use crate::link::{Address, Command, FlightMessage, Message, MissionMessage, Time};
@@ -11,6 +11,8 @@ use crate::link::{Address, Command, FlightMessage, Message, MissionMessage, Time
 const REPORTING_MS: u64 = 60_000;
 /// Between two requests for what a vehicle does not broadcast, milliseconds.
 const REQUEST_MS: u64 = 1000;
+/// A parameter that is said to be another one is read again for this long, milliseconds.
+const OTHER_MS: u64 = 1000;
 /// Messages that are requested: `GLOBAL_POSITION_INT` and `MISSION_CURRENT`.
 const POSITION: f32 = 33.0;
 const CURRENT_ITEM: f32 = 42.0;
@@ -106,11 +108,14 @@ impl FlightVehicle<'_> {
     /// Decides by everything that the vehicle has reported.
     fn conclude(&mut self, differences: Vec<String>) {
         let mut soft = differences;
+        soft.extend(self.changed_settings());
         match &self.home {
             None => soft.push("it does not say where its home is".to_owned()),
             Some(home) => soft.extend(readiness::home_problem(&self.of.mission.home, home)),
         }
         soft.extend(readiness::version_problem(self.of.mission, self.version));
+        let unknown = readiness::unknown_version(self.of.mission, self.version);
+        self.said.extend(unknown);
         let mut hard = Vec::new();
         if self.latest.is_none() {
             hard.push("it does not say where it is".to_owned());
@@ -168,16 +173,36 @@ impl FlightVehicle<'_> {
         if !self.force {
             problems.extend(self.place_problems());
             problems.extend(battery);
+            problems.extend(self.changed_settings());
         }
         problems
     }
 
+    /// Parameters that it says to be others than when they were read.
+    fn changed_settings(&self) -> Vec<String> {
+        let settings = self.settings.as_ref();
+        let others = settings.map_or_else(Vec::new, |of| of.others(self.now, 0));
+        others.iter().map(OtherSetting::changed).collect()
+    }
+
+    /// The same in flight, where an old answer that came late is not meant; and one of the return.
+    pub(in crate::flight) fn other_settings(&self) -> (Vec<OtherSetting>, Option<&OtherSetting>) {
+        let Some(settings) = &self.settings else {
+            return (Vec::new(), None);
+        };
+        let others = settings.others(self.now, OTHER_MS);
+        (others, settings.other_of_return())
+    }
+
     /// Another station writes to it after it was read.
     pub(super) fn heed_writer(&mut self, list: &MissionMessage) {
-        let is_read = matches!(
-            self.stage,
-            Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed
-        );
+        let is_read = match &self.stage {
+            // What they hear until then is theirs.
+            Stage::Sending(session) => session.report().is_some(),
+            Stage::Reading(reading) => reading.outcome().is_some(),
+            Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed => true,
+            _ => false,
+        };
         if let Some(system) = list.accepted_from_other(self.us).filter(|_| is_read) {
             let why = format!(
                 "it acknowledged a mission, a fence or rally points to system {system} after they were read: run `sortie fly` again"

@@ -4,6 +4,7 @@
 use super::arming::BEATS;
 use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::itinerary::progress::Progress;
+use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::Flight;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
@@ -23,6 +24,9 @@ impl FlightVehicle<'_> {
         self.total.ready = last.map(|fix| fix.items).filter(|items| *items > 0);
         let known = flown.fixes.len();
         self.flown = flown;
+        let bytewise = self.autopilot().conventions().bytewise_parameters;
+        let planned = &self.of.mission.params;
+        self.settings = Some(SettingsCheck::of_flight(planned, bytewise, self.now));
         let ordered = None;
         self.stage = Stage::Rejoining { known, ordered };
     }

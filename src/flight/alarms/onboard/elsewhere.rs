@@ -1,0 +1,115 @@
+//! Home, fence and rally points in flight: a return was judged to those of the plan.
+
+use super::HEARD_OF_S;
+use crate::flight::launch::readiness;
+use crate::link::{Address, List, Message};
+use crate::mission::{Home, VehicleMission};
+
+/// Home moves by less than this where an autopilot gets a better position, metres.
+const HOME_MOVES_M: f64 = 15.0;
+
+/// What differs in flight of home, fence and rally points: a return was judged to those of the plan.
+#[derive(Debug, Default)]
+pub(super) struct Elsewhere {
+    /// Home as it was said last before the flight, and what it is now if that is another place.
+    home: Option<Home>,
+    pub(super) moved: Option<String>,
+    /// The ids of the fence and of the rally points, and since when they are others, seconds after T0.
+    ids: [Option<u32>; 2],
+    others_s: [Option<f64>; 2],
+    /// What was heard of them otherwise.
+    lists: [Option<String>; 2],
+}
+
+/// Lists, their names, and what is said of one with another id.
+const LISTS: [(List, &str, &str); 2] = [
+    (
+        List::Fence,
+        "fence",
+        "the fence on board is another one (its id changed)",
+    ),
+    (
+        List::Rally,
+        "rally points",
+        "the rally points on board are others (their id changed)",
+    ),
+];
+
+impl Elsewhere {
+    /// A list has the id that it has now where a `replan` sends it again (`is_sent`): that acknowledges it to another
+    /// process of ours.
+    pub(super) fn handle(
+        &mut self,
+        t_s: f64,
+        message: &Message,
+        (us, mission): (Address, &VehicleMission),
+        (flies, is_sent): (bool, bool),
+    ) {
+        if !flies {
+            (self.moved, self.lists) = (None, [None, None]);
+        }
+        match message {
+            Message::HomePosition { x, y, amsl_mm } => {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "float32 is what missions have"
+                )]
+                let amsl_m = (f64::from(*amsl_mm) / 1000.0) as f32;
+                let home = Home {
+                    x: *x,
+                    y: *y,
+                    amsl_m,
+                };
+                if flies {
+                    self.moved = moved(self.home.as_ref().unwrap_or(&mission.home), &home);
+                } else {
+                    self.home = Some(home);
+                }
+            }
+            Message::MissionCurrent { opaque_ids, .. } => {
+                let has_ids = opaque_ids.iter().any(|id| *id != 0);
+                for at in 0..LISTS.len() {
+                    // One that says no id at all says 0 of each.
+                    let id = Some(opaque_ids[at + 1]).filter(|_| has_ids);
+                    let is_learnt = !flies || is_sent;
+                    let known = self.ids[at].filter(|_| !is_learnt).or(id);
+                    let is_other = id.is_some() && id != known;
+                    let since_s = self.others_s[at].unwrap_or(t_s);
+                    self.others_s[at] = is_other.then_some(since_s);
+                    self.ids[at] = known;
+                }
+            }
+            Message::Mission(message) if flies => {
+                let system = message.accepted_from_other(us);
+                let Some(system) = system.filter(|system| !is_sent || *system != us.system) else {
+                    return;
+                };
+                for (at, (list, what, _)) in LISTS.iter().enumerate() {
+                    if message.mission_type == list.mission_type() {
+                        self.lists[at] = Some(format!(
+                            "acknowledged {what}, or that they were cleared, to system {system}"
+                        ));
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Elsewhere {
+    /// What is wrong with a list, by its place in [`LISTS`].
+    pub(super) fn list(&self, at: usize, t_s: f64) -> Option<&str> {
+        let is_other = self.others_s[at].is_some_and(|since_s| t_s - since_s >= HEARD_OF_S);
+        let by_id = is_other.then_some(LISTS[at].2);
+        self.lists[at].as_deref().or(by_id)
+    }
+}
+
+/// In what a home differs from the one before, if it is another place.
+fn moved(before: &Home, now: &Home) -> Option<String> {
+    let across_m = readiness::place(before).chord_m(readiness::place(now));
+    let up_m = f64::from(now.amsl_m) - f64::from(before.amsl_m);
+    let off_m = across_m.max(up_m.abs());
+    (off_m > HOME_MOVES_M).then(|| format!("its home was moved by {off_m:.0} m in flight"))
+}
