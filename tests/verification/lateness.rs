@@ -297,7 +297,11 @@ fn a_copter_is_late_as_it_brakes_for_a_stop_already() {
         let (resting, moving): (Vec<&VerifiedSegment>, Vec<_>) = to_stop.partition(|of| rests(of));
         let rest_s = resting[0].late_s;
         let (first, last) = (moving[0], moving[moving.len() - 1]);
-        assert!((last.late_s - rest_s).abs() < 1e-9, "{} {rest_s}", last.late_s);
+        assert!(
+            (last.late_s - rest_s).abs() < 1e-9,
+            "{} {rest_s}",
+            last.late_s
+        );
         // As long as it cruises it has nothing to be late by.
         assert!(first.late_s < rest_s - 4.0, "{} {rest_s}", first.late_s);
     }

@@ -156,17 +156,15 @@ impl Assigner<'_> {
         }
     }
 
-    /// When a vehicle is at its start, at the earliest and at the latest: its departure may be shifted, its takeoff
-    /// early or late.
+    /// When a vehicle is at its start, at the earliest and at the latest: its takeoff may be early or late.
     fn begins(&self, vehicle: usize) -> (u64, u64) {
         let own = &self.spec.vehicles[vehicle];
-        let slack_s = self.spec.separation.time_slack_s;
         let (planned_s, takeoff_s) = (
             route_start_s(own, &self.world.stations[vehicle]),
             takeoff_lateness_s(own),
         );
-        let early_s = (planned_s + takeoff_s.least - slack_s).max(0.0);
-        let late_s = planned_s + takeoff_s.most + slack_s + self.later_s[vehicle];
+        let early_s = (planned_s + takeoff_s.least).max(0.0);
+        let late_s = planned_s + takeoff_s.most + self.later_s[vehicle];
         let units = |s: f64| whole(s * PER_SECOND).into();
         // Rounded down, as late times are rounded up.
         (units((early_s - 1.0 / PER_SECOND).max(0.0)), units(late_s))

@@ -36,7 +36,9 @@ impl Contract<'_> {
         // A vehicle that is late hovers or circles for so long, where the air is thinnest.
         let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.stations.departure);
         let wind_mps = self.spec.wind.map_or(0.0, |wind| wind.speed_mps);
-        let tops = aloft.iter().map(|chord| chord.from.amsl.0.max(chord.to.amsl.0));
+        let tops = aloft
+            .iter()
+            .map(|chord| chord.from.amsl.0.max(chord.to.amsl.0));
         let top_m = tops.fold(f64::NEG_INFINITY, f64::max);
         let late = (self.vehicle).used_waiting(late_s, wind_mps, Amsl(top_m));
         let mut note = format!(

@@ -222,8 +222,8 @@ impl Contract<'_> {
             false => (self.held_before_actions_s(rest), f64::NEG_INFINITY),
         };
         let shift_s = self.shift_at_s(rest);
-        let begins_s =
-            [shift_s.least, shift_s.most].map(|by_s| (rest.from_s + by_s + held_s).max(waits_until_s));
+        let begins_s = [shift_s.least, shift_s.most]
+            .map(|by_s| (rest.from_s + by_s + held_s).max(waits_until_s));
         let missed_s = window.miss(begins_s[0]).max(window.miss(begins_s[1]));
         // Who is early is gone early, too.
         let (from_s, until_s) = (rest.from_s + shift_s.least, rest.until_s + shift_s.least);
@@ -241,13 +241,13 @@ impl Contract<'_> {
         })
     }
 
-    /// By how much a rest may begin early (negative) or late: its departure, its takeoff and what is behind it.
+    /// By how much a rest may begin early (negative) or late: its takeoff and what is behind it. Its departure
+    /// counts as planned: the slack of the separation is about other vehicles.
     fn shift_at_s(&self, rest: &Rest) -> Span {
-        let slack_s = self.spec.separation.time_slack_s;
         let takeoff_s = takeoff_lateness_s(self.vehicle);
         Span {
-            least: takeoff_s.least - rest.early_s - slack_s,
-            most: takeoff_s.most + rest.late_s + slack_s,
+            least: takeoff_s.least - rest.early_s,
+            most: takeoff_s.most + rest.late_s,
         }
     }
 
