@@ -248,15 +248,17 @@ fn used_endurance(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// The vehicles that come too late for a window.
-fn missed_windows(spec: &MissionSpec, review: &Review) -> Vec<usize> {
+/// The vehicles that miss windows, and by how many seconds at most.
+fn missed_windows(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
     let is_missed = |margin: &&Margin| !margin.ok && matches!(margin.limit, Limit::TaskWindow(_));
     let fleet = spec.vehicles.iter().enumerate();
-    let late = fleet.filter(|(_, vehicle)| {
-        let mut missed = review.margins.iter().filter(is_missed);
-        missed.any(|margin| margin.vehicle == vehicle.id)
+    let late = fleet.filter_map(|(index, vehicle)| {
+        let missed = review.margins.iter().filter(is_missed);
+        let own = missed.filter(|margin| margin.vehicle == vehicle.id);
+        let missed_s = own.map(|margin| margin.value).reduce(f64::max)?;
+        Some((index, missed_s))
     });
-    late.map(|(index, _)| index).collect()
+    late.collect()
 }
 
 /// Dispatches a fleet whose stops are those that it makes, in their order.

@@ -302,7 +302,7 @@ impl Vehicle {
 
     /// Speed through the air at a commanded speed and an altitude, m/s. The command of a wing is
     /// an indicated airspeed; its true airspeed grows with altitude.
-    fn through_air_mps(&self, speed_mps: f64, at: Amsl) -> f64 {
+    pub(crate) fn through_air_mps(&self, speed_mps: f64, at: Amsl) -> f64 {
         match self.wing {
             Some(_) => speed_mps * true_airspeed_ratio(at),
             None => speed_mps,

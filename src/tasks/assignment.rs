@@ -35,11 +35,13 @@ pub struct Carrier<'a> {
     pub rest_uses: u64,
     /// Most places that it visits.
     pub most_visits: usize,
-    /// When it is at its start.
-    pub begins: u64,
+    /// When it is at its start, at the earliest and at the latest.
+    pub begins: (u64, u64),
     /// How long its ways may take, in thousandths of their times: windows hold for that and for
     /// the times themselves.
     pub slowest: u64,
+    /// By how much later it may be after each way, besides.
+    pub late_after_way: u64,
     /// Waits are whole numbers of this.
     pub wait_step: u64,
     /// When it may not be at each place, from and to: it lies in a zone with times. Empty where
@@ -48,6 +50,14 @@ pub struct Carrier<'a> {
 }
 
 impl Carrier<'_> {
+    /// How long a way may take it; from a place to itself there is none.
+    fn longest(&self, way: Way) -> u64 {
+        match way.time {
+            0 => 0,
+            time => (u64::from(time) * self.slowest).div_ceil(1000) + self.late_after_way,
+        }
+    }
+
     /// Whether it may be at a place from one time to another.
     fn may_be_at(&self, place: usize, (comes, leaves): (u64, u64)) -> bool {
         let mut closed = self.closed.get(place).into_iter().flatten();
@@ -197,11 +207,11 @@ impl Assignment<'_> {
             return None;
         }
         let mut at = own.start;
-        let (mut early, mut late) = (own.begins, own.begins);
+        let (mut early, mut late) = own.begins;
         for (position, visit) in of.visits.iter().enumerate() {
             let way = own.ways[at][visit.place]?;
             early += u64::from(way.time) * SOONEST / 1000;
-            late += (u64::from(way.time) * own.slowest).div_ceil(1000);
+            late += own.longest(way);
             let mut rest = u64::from(visit.rest);
             if let Some((first, last)) = visit.window {
                 let wait = first.saturating_sub(early).div_ceil(own.wait_step) * own.wait_step;
@@ -227,14 +237,14 @@ impl Assignment<'_> {
         let mut spent = Spent::default();
         let mut at = own.start;
         // A wait is as long as it is in the plan, whether the vehicle comes early or late.
-        let (mut early, mut late) = (own.begins, own.begins);
+        let (mut early, mut late) = own.begins;
         let mut stop: Option<Stop> = None;
         for (job, position) in visits {
             let visit = self.jobs[job].visits[position];
             let way = own.ways[at][visit.place]?;
             spent.add(way);
             early += u64::from(way.time) * SOONEST / 1000;
-            late += (u64::from(way.time) * own.slowest).div_ceil(1000);
+            late += own.longest(way);
             let joined = stop.filter(|stop| visit.depth.is_some() && stop.place == visit.at());
             let mut here = joined.unwrap_or(Stop {
                 place: visit.at(),

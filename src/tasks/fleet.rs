@@ -26,7 +26,7 @@ const SAME_PLACE_M: f64 = 1.0;
 const BUDGET: f64 = 1e9;
 /// Units of time in a second.
 const PER_SECOND: f64 = 10.0;
-/// How long ways may take at first, in thousandths of their estimates.
+/// How long ways may take, in thousandths of their estimates.
 const SLOWEST: u64 = 1030;
 
 /// The tasks of a fleet as they are assigned.
@@ -93,8 +93,8 @@ pub struct Assigner<'a> {
     lengths_m: Vec<Vec<f64>>,
     /// How much more each vehicle uses on its ways than the shortest ones would.
     factors: Vec<f64>,
-    /// How long the ways of each vehicle may take, in thousandths of their estimates.
-    slowest: Vec<u64>,
+    /// By how much each vehicle may be later than estimated, seconds: its plans missed windows by that.
+    later_s: Vec<f64>,
     /// How the tasks are assigned, by what did not pass before.
     trial: Trial,
     /// The times of zones that places lie in; none: these are not minded.
@@ -182,7 +182,7 @@ impl<'a> Assigner<'a> {
             lengths_m: least_lengths_m(spec, world, &points),
             points,
             factors: vec![1.0; spec.vehicles.len()],
-            slowest: vec![SLOWEST; spec.vehicles.len()],
+            later_s: vec![0.0; spec.vehicles.len()],
             trial: Trial::default(),
             in_time: None,
         }

@@ -187,7 +187,7 @@
 //! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 13.5 s early; two of one
 //! autopilot and airframe are so alike. A wing of
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
-//! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
+//! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by, from where it brakes for it on, to each
 //! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
 //! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. A copter counts its metres on a sphere, of
 //! 6378100 m (ArduPilot) or 6371000 m: from 600 s after its takeoff on, every leg that is longer there adds the same share

@@ -52,8 +52,9 @@ fn assigned(ways: &[Vec<Option<Way>>]) -> u64 {
             budget: u64::MAX,
             rest_uses: 0,
             most_visits: 100,
-            begins: 0,
+            begins: (0, 0),
             slowest: 1000,
+            late_after_way: 0,
             wait_step: 1,
             closed: &[],
         })

@@ -217,6 +217,33 @@ fn a_vehicle_waits_for_a_window_and_the_verdict_holds_the_begin_against_it() {
 }
 
 #[test]
+fn a_window_in_which_a_late_or_early_vehicle_does_not_begin_fails() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut spec = shared(autopilot);
+        let window = |least: f64, most: f64| Some(Span { least, most });
+        spec.tasks[0].stops[0].window_s = window(300.0, 400.0);
+        let (world, done) = dispatched(&spec);
+        assert!(done.review.passes(), "{:?}", failed(&done.review));
+        let mut margins = done.review.margins.iter();
+        let begin = margins.find(|margin| matches!(margin.limit, Limit::TaskWindow(_)));
+        let begins_s = begin.and_then(|of| of.at).expect("a begin").t_s;
+        // A takeoff and a stop make it late.
+        for (from_s, to_s, holds) in [
+            (300.0, begins_s + 2.0, false),
+            (300.0, begins_s + 12.0 + 3.0, false),
+            (begins_s + 1.0, 500.0, false),
+            (begins_s - 1.0, 500.0, true),
+            (300.0, begins_s + 40.0, true),
+        ] {
+            let mut other = spec.clone();
+            other.tasks[0].stops[0].window_s = window(from_s, to_s);
+            let failed = failed(&judged_again(&other, &world, &done));
+            assert_eq!(failed.is_empty(), holds, "{from_s} {to_s}: {failed:?}");
+        }
+    }
+}
+
+#[test]
 fn a_window_shorter_than_a_vehicle_may_be_late_is_the_reason_that_is_named() {
     let mut spec = shared(Autopilot::ArduPilot);
     spec.tasks.truncate(1);

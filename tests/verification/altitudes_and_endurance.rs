@@ -254,3 +254,32 @@ fn wind_makes_a_distance_through_the_air_longer() {
     let ratio = range_m(&spec) / calm_m;
     assert!((1.3..1.4).contains(&ratio), "{ratio}");
 }
+
+#[test]
+fn a_copter_that_is_late_hovers_against_the_wind() {
+    let (mut spec, mission) = over_hill(1.0, 800.0, AltitudeLimits::default());
+    // From the side, so that nothing is flown at less than 5 m/s through the air.
+    spec.wind = Some(Wind {
+        from_rad: 0.0,
+        speed_mps: 5.0,
+    });
+    let mut used = |capacity| {
+        spec.vehicles[0].endurance = Some(Endurance {
+            capacity,
+            reserve: 0.0,
+        });
+        let margin = of(&judged(&spec, &mission), &Limit::Endurance);
+        margin.expect("judged").value
+    };
+    let time_s = used(Capacity::Time(5000.0));
+    let energy_wh = used(Capacity::Energy(Energy {
+        wh: 1000.0,
+        climbing_w: 0.0,
+        climb_mps: 5.0,
+        level: vec![(0.0, 90.0), (4.9, 360.0), (40.0, 360.0)],
+    }));
+    assert!((energy_wh - 0.1 * time_s).abs() < 1e-6, "{energy_wh}");
+    // It does not wait where the air is still for it.
+    let range_m = used(Capacity::Range(50_000.0));
+    assert!(range_m > 5.0 * time_s, "{range_m} {time_s}");
+}

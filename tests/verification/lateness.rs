@@ -280,3 +280,29 @@ fn a_copter_of_px4_is_late_in_a_corner_and_not_behind_it_alone() {
     let last = to_corner.next_back().expect("a corner");
     assert!(last.late_s - first.late_s > 1.0, "{}", last.late_s);
 }
+
+#[test]
+fn a_copter_is_late_as_it_brakes_for_a_stop_already() {
+    let (stop, end) = (spot(500.0, 0.0), spot(900.0, 0.0));
+    let hold = at(command::NAV_WAYPOINT, frame::GLOBAL, stop, UP_M, 10.0);
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut vehicle = slow("alpha", 1, spot(0.0, 0.0), end);
+        vehicle.autopilot = autopilot;
+        let mission = over(&vehicle, &[hold, waypoint(end, UP_M)]);
+        let spec = empty_spec(vec![vehicle]);
+        let verified = verified(&spec, &world(&spec), &mission);
+        let segments = flown(&verified);
+        let rests = |of: &VerifiedSegment| of.from.place == of.to.place;
+        let to_stop = segments.iter().filter(|of| of.to.item == 3);
+        let (resting, moving): (Vec<&VerifiedSegment>, Vec<_>) = to_stop.partition(|of| rests(of));
+        let rest_s = resting[0].late_s;
+        let (first, last) = (moving[0], moving[moving.len() - 1]);
+        assert!(
+            (last.late_s - rest_s).abs() < 1e-9,
+            "{} {rest_s}",
+            last.late_s
+        );
+        // As long as it cruises it has nothing to be late by.
+        assert!(first.late_s < rest_s - 4.0, "{} {rest_s}", first.late_s);
+    }
+}

@@ -276,6 +276,8 @@ class Flight:
                     self.late += CORNER_LATE
                 self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
             self.count_on_sphere(knots[i].at, knots[i + 1].at, self.motions[first:])
+        # As it brakes for the stop already.
+        self.motions[-1].late += STOP_LATE
         self.late += STOP_LATE
 
     def count_on_sphere(self, a, b, motions):

@@ -276,6 +276,8 @@ class WingFlight(Circles, Flight):
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.round(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
             times.append(self.t - begin)
+        if last_speed <= 0:
+            self.motions[-1].late += STOP_LATE
         heights = self.offsets(knots, legs, times)
         for leg, others in zip(legs, heights):
             ends = leg.start, leg.end

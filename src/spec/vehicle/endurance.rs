@@ -1,6 +1,7 @@
 //! Endurance: flight time, range or energy.
 
-use super::{Span, Vehicle};
+use super::{Airframe, Span, Vehicle};
+use crate::geodesy::Amsl;
 use crate::numeric::digits::plain;
 
 /// What a vehicle may use from takeoff to touchdown.
@@ -99,6 +100,22 @@ impl Energy {
 }
 
 impl Vehicle {
+    /// The most that it uses in a time at an altitude in which it waits or is slower than planned, in
+    /// [`Capacity::unit`]; 0 without an endurance. A copter hovers, in still air or against the wind, a wing circles, and
+    /// a VTOL may do either. Slow flight of a copter uses no more than a hover in place of the time that it takes longer:
+    /// power over speed is convex.
+    #[must_use]
+    pub fn used_waiting(&self, duration_s: f64, wind_mps: f64, at: Amsl) -> f64 {
+        let Some(endurance) = &self.endurance else {
+            return 0.0;
+        };
+        let hovers = (self.airframe != Airframe::Plane).then_some([0.0, wind_mps]);
+        let circles = self.wing.map(|_| self.through_air_mps(self.speed_mps, at));
+        let used = |air_mps: f64| endurance.capacity.used(duration_s, air_mps, 0.0);
+        let airspeeds_mps = hovers.into_iter().flatten().chain(circles);
+        airspeeds_mps.map(used).fold(0.0, f64::max)
+    }
+
     /// A warning where it is planned slower or faster than the powers of its table were measured at.
     #[must_use]
     pub fn energy_note(&self) -> Option<String> {
@@ -148,6 +165,40 @@ mod tests {
         near(energy.power_w(10.0, 1.5), 230.0);
         near(energy.power_w(10.0, -2.0), 200.0);
         near(Capacity::Energy(energy).used(1800.0, 10.0, 0.0), 100.0);
+    }
+
+    #[test]
+    fn a_vtol_that_waits_uses_what_the_dearer_of_a_hover_and_a_circle_does() {
+        use crate::spec::{Airframe, Wing, fixtures};
+        let energy = |hover_w, cruise_w| Energy {
+            wh: 100.0,
+            climbing_w: 0.0,
+            climb_mps: 3.0,
+            level: vec![(0.0, hover_w), (10.0, cruise_w), (20.0, cruise_w)],
+        };
+        let used_w = |airframe, energy: Energy| {
+            let wing = Wing {
+                takeoff_heading_rad: None,
+                landing: None,
+                loiter_radius_m: 100.0,
+                wind: None,
+                ceiling: Amsl(500.0),
+            };
+            let vehicle = Vehicle {
+                airframe,
+                wing: (airframe != Airframe::Copter).then_some(wing),
+                endurance: Some(Endurance {
+                    capacity: Capacity::Energy(energy),
+                    reserve: 0.0,
+                }),
+                ..fixtures::copter()
+            };
+            vehicle.used_waiting(3600.0, 0.0, Amsl(100.0))
+        };
+        near(used_w(Airframe::Vtol, energy(900.0, 200.0)), 900.0);
+        near(used_w(Airframe::Vtol, energy(100.0, 200.0)), 200.0);
+        near(used_w(Airframe::Plane, energy(900.0, 200.0)), 200.0);
+        near(used_w(Airframe::Copter, energy(300.0, 900.0)), 300.0);
     }
 
     #[test]

@@ -19,8 +19,9 @@ fn carrier(ways: &[Vec<Option<Way>>], start: usize, budget: u64) -> Carrier<'_> 
         budget,
         rest_uses: 0,
         most_visits: 100,
-        begins: 0,
+        begins: (0, 0),
         slowest: 1000,
+        late_after_way: 0,
         wait_step: 1,
         closed: &[],
     }

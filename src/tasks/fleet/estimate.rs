@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use super::{Assigner, BUDGET, PER_SECOND, whole};
-use crate::geodesy::PlanPoint;
+use super::{Assigner, BUDGET, PER_SECOND, SLOWEST, whole};
+use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
 use crate::path::{
     TimedPoint, flight, late_share, leg_late_s, longer_for_takeoff_s, route_ends, route_start_s,
-    stop_late_s, way_speed_mps,
+    stop_late_s, takeoff_lateness_s, way_speed_mps,
 };
 use crate::spec::{MAX_STOPS, Stop, Vehicle};
 use crate::tasks::assignment::{Carrier, Way};
@@ -108,15 +108,16 @@ impl Assigner<'_> {
         BUDGET * used / endurance.usable()
     }
 
-    /// What the verdict adds where autopilots are later than the flight model, in the trial that counts it: a vehicle
-    /// hovers or circles for so long.
+    /// What the verdict adds where autopilots are later than the flight model, in the trial that counts it.
     fn used_late(&self, own: &Vehicle, late_s: f64) -> f64 {
         let counts = self.trial.counts_lateness();
         let Some(endurance) = own.endurance.as_ref().filter(|_| counts) else {
             return 0.0;
         };
-        let idle_mps = own.wing.as_ref().map_or(0.0, |_| own.speed_mps);
-        let used = endurance.capacity.used(late_s, idle_mps, 0.0);
+        let [east_mps, north_mps] = self.wind_mps();
+        let altitudes = self.points.iter().map(|point| point.amsl.0);
+        let top_m = altitudes.fold(f64::NEG_INFINITY, f64::max);
+        let used = own.used_waiting(late_s, east_mps.hypot(north_mps), Amsl(top_m));
         BUDGET * used / endurance.usable()
     }
 
@@ -147,11 +148,26 @@ impl Assigner<'_> {
             },
             rest_uses: whole(rest).into(),
             most_visits: MAX_STOPS,
-            begins: whole(route_start_s(own, &self.world.stations[vehicle]) * PER_SECOND).into(),
-            slowest: self.slowest[vehicle],
+            begins: self.begins(vehicle),
+            slowest: SLOWEST,
+            late_after_way: whole((stop_late_s(own) + leg_late_s(own)) * PER_SECOND).into(),
             wait_step: 10,
             closed,
         }
+    }
+
+    /// When a vehicle is at its start, at the earliest and at the latest: its takeoff may be early or late.
+    fn begins(&self, vehicle: usize) -> (u64, u64) {
+        let own = &self.spec.vehicles[vehicle];
+        let (planned_s, takeoff_s) = (
+            route_start_s(own, &self.world.stations[vehicle]),
+            takeoff_lateness_s(own),
+        );
+        let early_s = (planned_s + takeoff_s.least).max(0.0);
+        let late_s = planned_s + takeoff_s.most + self.later_s[vehicle];
+        let units = |s: f64| whole(s * PER_SECOND).into();
+        // Rounded down, as late times are rounded up.
+        (units((early_s - 1.0 / PER_SECOND).max(0.0)), units(late_s))
     }
 
     /// What takeoff, landing and return use, as parts of what a vehicle may use.

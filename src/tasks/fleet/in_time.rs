@@ -6,7 +6,6 @@
 use super::{Assigner, PER_SECOND, visits, whole};
 use crate::geodesy::PlanPoint;
 use crate::numeric::geometry::{self, Ring};
-use crate::path::{leg_late_s, stop_late_s};
 use crate::tasks::assignment::{Assignment, Carrier, Form, Job};
 use crate::world::PlanZone;
 
@@ -92,12 +91,11 @@ impl Assigner<'_> {
             return Vec::new();
         };
         let own = &self.spec.vehicles[vehicle];
-        let late_s = stop_late_s(own) + leg_late_s(own);
         let units = |s: f64| u64::from(whole(s * PER_SECOND));
         let span = |&(zone, depth_m): &(usize, f64)| {
             let (from_s, to_s) = self.world.zones[zone].active_s?;
             let crossed_s = depth_m * f64::from(1_u32 << known.doubled) / own.speed_mps;
-            Some((units(from_s - crossed_s - late_s), units(to_s + crossed_s)))
+            Some((units(from_s - crossed_s), units(to_s + crossed_s)))
         };
         let spans = |site: usize| known.zones[site].iter().filter_map(span).collect();
         self.sites(vehicle).into_iter().map(spans).collect()

@@ -9,8 +9,8 @@
 use super::{Assigner, BUDGET, FleetTasks};
 use crate::spec::MissionSpec;
 
-/// By how much more ways may take where a window was missed, in thousandths.
-const SLOWER: u64 = 30;
+/// A vehicle that missed a window is expected later by this more, seconds.
+const LATER_S: f64 = 1.0;
 /// Raised estimates are raised by this more.
 const SURPLUS: f64 = 1.01;
 /// Most plans of each trial: the first with estimates by the flight model, the second with the lateness of
@@ -66,10 +66,10 @@ impl<'a> Assigner<'a> {
         learns
     }
 
-    /// Expects longer ways of these vehicles, whose plans miss windows.
-    pub fn hurry(&mut self, late: &[usize]) {
-        for &vehicle in late {
-            self.slowest[vehicle] += SLOWER;
+    /// Expects these vehicles later, whose plans miss windows by so many seconds.
+    pub fn hurry(&mut self, late: &[(usize, f64)]) {
+        for &(vehicle, missed_s) in late {
+            self.later_s[vehicle] += missed_s + LATER_S;
         }
     }
 

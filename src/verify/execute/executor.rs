@@ -165,6 +165,9 @@ impl Pilot<'_> {
             };
             chord.early_s += share * (until_s - first_s).max(0.0);
         }
+        for rest in &mut self.flight.rests {
+            rest.early_s += share * (rest.from_s - first_s).max(0.0);
+        }
     }
 
     /// Obeys every order; says from where on the flight is not known, if so.

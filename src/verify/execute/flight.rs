@@ -54,6 +54,10 @@ pub(crate) struct Rest {
     pub(crate) point: PlanPoint,
     pub(crate) from_s: f64,
     pub(crate) until_s: f64,
+    /// By how much it may be later than at its begin, besides what it may be from its takeoff on.
+    pub(crate) late_s: f64,
+    /// And earlier.
+    pub(crate) early_s: f64,
     /// The first and the last row that it rests for.
     pub(crate) rows: (usize, usize),
 }

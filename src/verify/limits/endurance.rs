@@ -1,6 +1,6 @@
 //! What a flight uses from takeoff to touchdown, against what the vehicle has.
 
-use crate::geodesy::PlanPoint;
+use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::digits;
 use crate::path::{flight, longer_for_takeoff_s, route_ends};
 use crate::spec::Endurance;
@@ -33,9 +33,14 @@ impl Contract<'_> {
         let before = self.used_before(endurance);
         let used: f64 = aloft.iter().map(|chord| self.used(endurance, chord)).sum();
         let used = before + used;
-        // A vehicle that is late hovers or circles for so long.
+        // A vehicle that is late hovers or circles for so long, where the air is thinnest.
         let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.stations.departure);
-        let late = endurance.capacity.used(late_s, self.idle_mps(), 0.0);
+        let wind_mps = self.spec.wind.map_or(0.0, |wind| wind.speed_mps);
+        let tops = aloft
+            .iter()
+            .map(|chord| chord.from.amsl.0.max(chord.to.amsl.0));
+        let top_m = tops.fold(f64::NEG_INFINITY, f64::max);
+        let late = (self.vehicle).used_waiting(late_s, wind_mps, Amsl(top_m));
         let mut note = format!(
             "{} {unit} less a reserve of {} %",
             digits::plain(endurance.capacity.total()),
@@ -121,7 +126,7 @@ impl Contract<'_> {
         // What stands still in the air circles there, if it is no column.
         let circles = run_m < STILL_M && rise_m.abs() < STILL_M;
         let air_mps = match circles {
-            true => air_mps.max(self.idle_mps()),
+            true => air_mps.max(self.circling_mps(from.amsl)),
             false => air_mps,
         };
         endurance
@@ -129,10 +134,10 @@ impl Contract<'_> {
             .used(duration_s, air_mps, rise_m / duration_s)
     }
 
-    /// Speed through the air of a vehicle that waits, m/s: a wing circles.
-    fn idle_mps(&self) -> f64 {
+    /// Speed through the air of a vehicle that waits at an altitude without wind, m/s: a wing circles.
+    fn circling_mps(&self, at: Amsl) -> f64 {
         match self.vehicle.wing {
-            Some(_) => self.vehicle.speed_mps,
+            Some(_) => self.vehicle.through_air_mps(self.vehicle.speed_mps, at),
             None => 0.0,
         }
     }

@@ -1,12 +1,15 @@
 //! Motions between two places, and stays.
 
+use std::ops::Range;
+
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::path::{
     COUNTS_AFTER_S, heading_rad, late_share, leg_late_s, leg_late_share, stop_late_s,
 };
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::{Legs, Rest, Slope};
-use crate::verify::execute::legs::{self, Knot};
+use crate::verify::execute::legs::{self, Knot, Run};
+use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::measure::segment::Column;
 use crate::world::Departure;
 
@@ -69,15 +72,17 @@ impl Pilot<'_> {
 
     pub(crate) fn hold(&mut self, row: usize, hold_s: f64) {
         let (here, from_s) = (self.here(), self.trajectory.t_s);
+        let late_s = self.trajectory.late_s;
         let is_low = self.is_at_drop(here.amsl.0);
         let column = is_low.then_some(Column::Drop);
         self.trajectory
             .straight((row, self.phase), (here, here), hold_s, column);
-        self.rest_since(row, from_s);
+        self.rest_since(row, (from_s, late_s));
     }
 
-    /// Notes a rest where the vehicle is, or that the one before goes on.
-    pub(crate) fn rest_since(&mut self, row: usize, from_s: f64) {
+    /// Notes a rest where the vehicle is, since a time and by how much later that may be, or that the one before
+    /// goes on.
+    pub(crate) fn rest_since(&mut self, row: usize, (from_s, late_s): (f64, f64)) {
         let (point, until_s) = (self.here(), self.trajectory.t_s);
         match self.flight.rests.last_mut() {
             Some(last) if last.until_s >= from_s && last.point == point => {
@@ -87,6 +92,8 @@ impl Pilot<'_> {
                 point,
                 from_s,
                 until_s,
+                late_s,
+                early_s: self.trajectory.early_s,
                 rows: (row, row),
             }),
         }
@@ -128,17 +135,7 @@ impl Pilot<'_> {
             .windows(2)
             .map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
-        for pieces in run.pieces.chunk_by(|one, other| one.leg == other.leg) {
-            let leg = pieces[0].leg;
-            let lasts_s = pieces.iter().map(legs::Piece::duration_s).sum();
-            self.trajectory.late_s += leg_late_s(self.vehicle) + lasts_s * late_share(self.vehicle);
-            self.count_on_sphere(&knots[leg..=leg + 1], lasts_s);
-            firsts[leg] = self.trajectory.chords.len();
-            for piece in pieces {
-                self.trajectory.lay_piece(piece, &knots, &lines)?;
-            }
-        }
+        let (firsts, braking) = self.lay_legs(&run, &knots, &lines)?;
         let legs = Legs {
             knots: &knots,
             lines: &lines,
@@ -153,9 +150,37 @@ impl Pilot<'_> {
             self.lay_arrivals((&hull, leg), &knots, &grounds_mps, &firsts)?;
         }
         if last_mps <= 0.0 {
-            self.trajectory.late_s += stop_late_s(self.vehicle);
+            // What a stop takes longer it may have lost as it brakes for it.
+            let late_s = stop_late_s(self.vehicle);
+            for chord in &mut self.trajectory.chords[braking] {
+                chord.late_s += late_s;
+            }
+            self.trajectory.late_s += late_s;
         }
         Ok(())
+    }
+
+    /// Lays what is flown along legs. Returns the first chord of each leg, and those of the last piece.
+    fn lay_legs(
+        &mut self,
+        run: &Run,
+        knots: &[Knot],
+        lines: &[AltitudeLine],
+    ) -> Result<(Vec<usize>, Range<usize>), Unknown> {
+        let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
+        let mut last = self.trajectory.chords.len();
+        for pieces in run.pieces.chunk_by(|one, other| one.leg == other.leg) {
+            let leg = pieces[0].leg;
+            let lasts_s = pieces.iter().map(legs::Piece::duration_s).sum();
+            self.trajectory.late_s += leg_late_s(self.vehicle) + lasts_s * late_share(self.vehicle);
+            self.count_on_sphere(&knots[leg..=leg + 1], lasts_s);
+            firsts[leg] = self.trajectory.chords.len();
+            for piece in pieces {
+                last = self.trajectory.chords.len();
+                self.trajectory.lay_piece(piece, knots, lines)?;
+            }
+        }
+        Ok((firsts, last..self.trajectory.chords.len()))
     }
 
     /// By how much a leg makes the vehicle late or early, because the autopilot counts metres on a sphere: from

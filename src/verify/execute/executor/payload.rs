@@ -39,7 +39,7 @@ impl Pilot<'_> {
             return Unknown::err(row, "a place for a payload that is not below the vehicle");
         }
         let bottom_m = most_m.map_or(ground_m, |most_m| ground_m.max(top_m - most_m));
-        let began_s = self.trajectory.t_s;
+        let began_s = (self.trajectory.t_s, self.trajectory.late_s);
         let slow_mps = self.descent.slow_mps;
         match placing_mps(mission) {
             Some(own_mps) => {

@@ -168,6 +168,8 @@ impl Contract<'_> {
             point: there,
             from_s: t_s,
             until_s: t_s,
+            late_s: 0.0,
+            early_s: 0.0,
             rows: (first, next),
         };
         (rest, away_m)
@@ -200,6 +202,8 @@ impl Contract<'_> {
             point: end.point,
             from_s: end.t_s,
             until_s: end.t_s,
+            late_s: 0.0,
+            early_s: 0.0,
             rows: (end.row, next),
         };
         Some((rest, away_m))

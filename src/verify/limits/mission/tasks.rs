@@ -5,7 +5,8 @@ use super::Contract;
 use super::actions::load_commands;
 use super::stops::REST_S;
 use crate::mission::{self, command};
-use crate::spec::{MissionSpec, Stop, Task};
+use crate::path::takeoff_lateness_s;
+use crate::spec::{MissionSpec, Span, Stop, Task};
 use crate::verify::execute::flight::Rest;
 use crate::verify::{Limit, Margin, Requirement};
 use crate::world::World;
@@ -212,27 +213,42 @@ impl<'a> Search<'a> {
 }
 
 impl Contract<'_> {
-    /// When what is done in a rest begins, against the window of its stop.
+    /// When what is done in a rest begins, early or late, against the window of its stop.
     fn window(&self, task: &str, stop: &Stop, rest: &Rest) -> Option<Margin> {
         let window = stop.window_s?;
         // Actions begin after the holds before them; a hold alone may begin at any time of the rest.
-        let begins_s = match stop.actions.is_empty() {
-            true => rest.from_s.max(window.least),
-            false => rest.from_s + self.held_before_actions_s(rest),
+        let (held_s, waits_until_s) = match stop.actions.is_empty() {
+            true => (0.0, window.least),
+            false => (self.held_before_actions_s(rest), f64::NEG_INFINITY),
         };
-        let missed_s = window.miss(begins_s);
-        let holds_from_s = rest.from_s.max(window.least);
-        let cut_s = (stop.hold_s - REST_S - (rest.until_s - holds_from_s)).max(0.0);
+        let shift_s = self.shift_at_s(rest);
+        let begins_s = [shift_s.least, shift_s.most]
+            .map(|by_s| (rest.from_s + by_s + held_s).max(waits_until_s));
+        let missed_s = window.miss(begins_s[0]).max(window.miss(begins_s[1]));
+        // Who is early is gone early, too.
+        let (from_s, until_s) = (rest.from_s + shift_s.least, rest.until_s + shift_s.least);
+        let cut_s = (stop.hold_s - REST_S - (until_s - from_s.max(window.least))).max(0.0);
         let required = Requirement::at_most(Limit::TaskWindow(task.to_owned()), 0.0, "s");
-        let at = self.moment(rest.point, begins_s, rest.rows.0);
+        let planned_s = (rest.from_s + held_s).max(waits_until_s);
+        let at = self.moment(rest.point, planned_s, rest.rows.0);
         let note = format!(
-            "begins at {begins_s:.0} s, {} to {} s in the spec",
-            window.least, window.most
+            "begins at {:.0} to {:.0} s, {} to {} s in the spec",
+            begins_s[0], begins_s[1], window.least, window.most
         );
         Some(Margin {
             note,
             ..required.margin(self.id(), missed_s.max(cut_s), Some(at))
         })
+    }
+
+    /// By how much a rest may begin early (negative) or late: its takeoff and what is behind it. Its departure
+    /// counts as planned: the slack of the separation is about other vehicles.
+    fn shift_at_s(&self, rest: &Rest) -> Span {
+        let takeoff_s = takeoff_lateness_s(self.vehicle);
+        Span {
+            least: takeoff_s.least - rest.early_s,
+            most: takeoff_s.most + rest.late_s,
+        }
     }
 
     /// The holds of a rest before the first item that is no waypoint.
