@@ -66,7 +66,7 @@ impl<'a> Assigner<'a> {
         learns
     }
 
-    /// Expects these vehicles later, whose plans miss windows by so many seconds.
+    /// Expects these vehicles later, whose plans miss windows by some seconds.
     pub fn hurry(&mut self, late: &[(usize, f64)]) {
         for &(vehicle, missed_s) in late {
             self.later_s[vehicle] += missed_s + LATER_S;

@@ -64,13 +64,12 @@ impl Pilot<'_> {
         self.trajectory.t_s = begin_s;
         let late_s =
             ALIGNED_TURNS * orbit_s + 2.0 * sooner_s + more_s + (sooner_s - needed_s).max(0.0);
-        let before_s = self.trajectory.late_s;
-        self.trajectory.late_s += late_s;
         let over = PlanPoint {
             at: middle,
             amsl: Amsl(rim.amsl_m),
         };
-        self.note_circle(row, over, (begin_s, needed_s, before_s));
+        self.note_circle(row, over, (begin_s, needed_s));
+        self.trajectory.late_s += late_s;
         let stay = self.trajectory.chords.len();
         self.trajectory
             .straight((row, self.phase), (over, over), lasts_s, None);
@@ -97,12 +96,7 @@ impl Pilot<'_> {
     }
 
     /// Notes that it stays around a place; circles there that follow each other are one stay.
-    fn note_circle(
-        &mut self,
-        row: usize,
-        over: PlanPoint,
-        (from_s, needed_s, late_s): (f64, f64, f64),
-    ) {
+    fn note_circle(&mut self, row: usize, over: PlanPoint, (from_s, needed_s): (f64, f64)) {
         match self.flight.rests.last_mut() {
             Some(last) if last.point == over && from_s - last.until_s < SAME_STAY_S => {
                 (last.until_s, last.rows.1) = (last.until_s + needed_s, row);
@@ -111,7 +105,7 @@ impl Pilot<'_> {
                 point: over,
                 from_s,
                 until_s: from_s + needed_s,
-                late_s,
+                late_s: self.trajectory.late_s,
                 early_s: self.trajectory.early_s,
                 rows: (row, row),
             }),
