@@ -183,6 +183,22 @@ fn a_task_beyond_the_endurance_of_all_is_left_with_the_reason_and_the_plan_fails
 }
 
 #[test]
+fn a_task_that_is_too_near_another_for_a_leg_is_left_for_that_reason() {
+    let mut spec = shared(Autopilot::ArduPilot);
+    spec.vehicles.truncate(1);
+    spec.planner.evaluations = 500;
+    // 6.7 m apart.
+    spec.tasks = vec![
+        task("b", &[at(36.31, -84.29)]),
+        task("c", &[at(36.310_06, -84.29)]),
+    ];
+    let (_, done) = dispatched(&spec);
+    let left = &done.tasks.as_ref().expect("tasks").left;
+    assert_eq!(left.len(), 1);
+    assert!(left[0].why.contains("less than 10 m from it"), "{left:?}");
+}
+
+#[test]
 fn a_vehicle_waits_for_a_window_and_the_verdict_holds_the_begin_against_it() {
     for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
         let mut spec = shared(autopilot);

@@ -14,6 +14,7 @@ mod motion;
 mod onboard;
 mod reports;
 mod skips;
+mod standing;
 #[cfg(test)]
 mod tests;
 mod tube;
@@ -34,12 +35,9 @@ use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
 use skips::Skips;
+use standing::{Key, Standing};
 use tube::TubeWatch;
 
-/// The cause of an alarm must be gone for this long before it is over, seconds.
-const OVER_S: f64 = 3.0;
-/// One of a position estimate, which gets better and worse in turns, for this long.
-const EKF_OVER_S: f64 = 10.0;
 /// A position that is older than this is stale: seconds of flight, and of the wall's clock.
 const STALE_S: f64 = 1.5;
 const STALE_WALL_S: f64 = 0.75;
@@ -138,17 +136,6 @@ struct Here {
     point: PlanPoint,
     velocity_mps: [f64; 3],
     agl_m: f64,
-}
-
-/// Which alarm: what, of whom, with whom, and why.
-type Key = (AlarmKind, usize, Option<usize>, &'static str);
-
-/// An alarm that stands.
-#[derive(Clone, Copy, Debug)]
-struct Standing {
-    since_s: f64,
-    /// When its cause was last seen.
-    seen_s: f64,
 }
 
 /// A heartbeat that shows its mode comes within this time, seconds: one is sent each second, and two may be lost.
@@ -446,110 +433,6 @@ impl<'a> Alarms<'a> {
         let radius_m = threat.radius_m;
         let disc = Disc { center, radius_m };
         self.popups.push((disc, threat.id.clone()));
-    }
-
-    fn look_at_health(&mut self, t_s: f64, index: usize) {
-        let of = &mut self.vehicles[index];
-        let (flies, is_up) = (of.duty.flies, of.duty.flies && of.duty.is_up);
-        let is_ordered = of.duty.is_ordered;
-        let health = &of.health;
-        let battery = health.battery().filter(|_| flies);
-        let estimate = health.estimate().filter(|_| is_up);
-        let fence = health.fence().filter(|_| is_up);
-        let gps = health.gps().filter(|_| is_up);
-        // What does not come is not over because the flight is.
-        let stands = |kind| self.standing.contains_key(&(kind, index, None, "reports"));
-        let is_due = |kind, flies: bool| flies || stands(kind);
-        let [battery_due, estimate_due, gps_due] = [
-            is_due(AlarmKind::Battery, flies),
-            is_due(AlarmKind::Ekf, is_up),
-            is_due(AlarmKind::Position, is_up),
-        ];
-        let no_battery = health.battery_silence().filter(|_| battery_due);
-        let no_estimate = health.estimate_silence().filter(|_| estimate_due);
-        let no_gps = health.gps_silence().filter(|_| gps_due);
-        let mission = of.onboard.mission(t_s).filter(|_| flies);
-        let others = of.onboard.others(t_s).map(|text| text.filter(|_| flies));
-        let [home, rally, lists] = others.map(|text| text.map(str::to_owned));
-        let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
-        let mode = mode.filter(|_| is_up && !is_ordered);
-        if mode.is_some() && mode != of.mode_said {
-            // Another mode is another alarm.
-            of.mode_said.clone_from(&mode);
-            self.standing.remove(&(AlarmKind::Mode, index, None, ""));
-        }
-        let settings = of.onboard.settings().filter(|_| flies).map(str::to_owned);
-        if settings.is_some() && settings != of.settings_said {
-            of.settings_said.clone_from(&settings);
-            self.standing
-                .remove(&(AlarmKind::Mission, index, None, "parameters"));
-        }
-        for (kind, cause, text) in [
-            (AlarmKind::Battery, "", battery),
-            (AlarmKind::Ekf, "", estimate),
-            (AlarmKind::Fence, "", fence),
-            (AlarmKind::Position, "fix", gps),
-            (AlarmKind::Battery, "reports", no_battery),
-            (AlarmKind::Ekf, "reports", no_estimate),
-            (AlarmKind::Position, "reports", no_gps),
-            (AlarmKind::Mission, "", mission),
-            (AlarmKind::Mission, "home", home),
-            (AlarmKind::Mission, "rally", rally),
-            (AlarmKind::Mission, "fence", lists),
-            (AlarmKind::Mission, "parameters", settings),
-            (AlarmKind::Mode, "", mode),
-        ] {
-            self.set(t_s, (kind, index, None, cause), text);
-        }
-    }
-
-    /// Raises an alarm that has a cause, and ends one whose cause is gone.
-    fn set(&mut self, t_s: f64, key: Key, cause: Option<String>) {
-        match (self.standing.get_mut(&key), cause) {
-            (None, Some(text)) => {
-                let seen = Standing {
-                    since_s: t_s,
-                    seen_s: t_s,
-                };
-                self.standing.insert(key, seen);
-                self.push(t_s, key, true, text);
-            }
-            (Some(standing), Some(_)) => standing.seen_s = t_s,
-            (Some(standing), None) if t_s - standing.seen_s >= over_s(key.0) => {
-                let lasted_s = standing.seen_s - standing.since_s;
-                self.standing.remove(&key);
-                let is_off = [AlarmKind::Corridor, AlarmKind::Late].contains(&key.0)
-                    && self.vehicles[key.1].duty.is_ordered;
-                let text = match (is_off, key.3) {
-                    (true, _) => "not looked for any more: it was ordered off its path".to_owned(),
-                    (false, "") => format!("over after {lasted_s:.0} s"),
-                    (false, cause) => format!("over after {lasted_s:.0} s ({cause})"),
-                };
-                self.push(t_s, key, false, text);
-            }
-            _ => {}
-        }
-    }
-
-    fn push(&mut self, t_s: f64, key: Key, is_raised: bool, text: String) {
-        let (kind, vehicle, other, cause) = key;
-        self.out.push_back(Alarm {
-            t_s,
-            vehicle,
-            other,
-            kind,
-            cause,
-            is_raised,
-            text,
-        });
-    }
-}
-
-/// For how long the cause of an alarm must be gone, seconds.
-fn over_s(kind: AlarmKind) -> f64 {
-    match kind {
-        AlarmKind::Ekf => EKF_OVER_S,
-        _ => OVER_S,
     }
 }
 

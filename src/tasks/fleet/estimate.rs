@@ -13,7 +13,7 @@ use crate::spec::{MAX_STOPS, Stop, Vehicle};
 use crate::tasks::assignment::{Carrier, Way};
 
 /// Nearer than this there is no route between two places, metres.
-const LEAST_ROUTE_M: f64 = 10.0;
+pub(super) const LEAST_ROUTE_M: f64 = 10.0;
 /// Nor between the ends of two lines, which are joined by a straight one.
 const LEAST_TURN_M: f64 = 0.5;
 

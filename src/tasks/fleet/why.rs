@@ -1,5 +1,6 @@
 //! Why a task is not done.
 
+use super::estimate::LEAST_ROUTE_M;
 use super::{Assigner, BUDGET, PER_SECOND, TaskLeft, float};
 use crate::spec::MAX_STOPS;
 use crate::tasks::assignment::{Assignment, Spent};
@@ -54,13 +55,31 @@ impl Assigner<'_> {
                 endurance.usable(),
                 endurance.capacity.unit()
             ),
-            _ if self.has_window(task) => format!(
-                "no vehicle has the time in its window, and enough endurance and stops (at most {MAX_STOPS}) left for it"
-            ),
-            _ => format!(
-                "no vehicle has enough endurance and stops (at most {MAX_STOPS}) left for it"
-            ),
+            _ => {
+                let time = match self.has_window(task) {
+                    true => "the time in its window, and ",
+                    false => "",
+                };
+                let near = self.near(unit).map_or_else(String::new, |id| {
+                    format!(", or it would fly there straight from task {id}, less than {LEAST_ROUTE_M} m from it: give one task the `actions` of both")
+                });
+                format!(
+                    "no vehicle has {time}enough endurance and stops (at most {MAX_STOPS}) left for it{near}"
+                )
+            }
         }
+    }
+
+    /// A task with a place that no leg leads to from one of the unit: they are too near each other.
+    fn near(&self, unit: usize) -> Option<&str> {
+        let own = &self.units[unit];
+        let is_near = |site: &usize| {
+            let mut sites = own.sites.iter();
+            sites.any(|of| self.points[*of].at.distance_m(self.points[*site].at) < LEAST_ROUTE_M)
+        };
+        let mut others = self.units.iter().filter(|other| other.task != own.task);
+        let other = others.find(|other| other.sites.iter().any(is_near))?;
+        Some(&self.spec.tasks[other.task].id)
     }
 
     /// Why a unit is for no vehicle even alone: each cause has a sentence of its own.
