@@ -86,13 +86,13 @@ pub fn bend_m(length_m: f64, lat_deg: f64) -> f64 {
     length_m * length_m * tan_lat / (8.0 * EARTH_RADIUS_M)
 }
 
-/// Bends up to this are left to buffers, metres.
-pub(crate) const SMALL_BEND_M: f64 = 1.0;
+/// Bends up to this are left to buffers, metres: those of copters are as wide.
+pub(crate) const SMALL_BEND_M: f64 = 10.0;
 
-/// The longest line that bends by no more than [`SMALL_BEND_M`], metres.
+/// The longest line that bends by no more than half of [`SMALL_BEND_M`], metres.
 #[must_use]
 pub(crate) fn straight_m(lat_deg: f64) -> f64 {
-    (SMALL_BEND_M / bend_m(1.0, lat_deg)).sqrt()
+    (0.5 * SMALL_BEND_M / bend_m(1.0, lat_deg)).sqrt()
 }
 
 impl LatLon {

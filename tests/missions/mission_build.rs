@@ -110,6 +110,31 @@ fn parameter(mission: &VehicleMission, name: &str) -> f32 {
 }
 
 #[test]
+fn legs_are_cut_where_the_map_of_ardupilot_would_bend_them() {
+    let far = LatLon {
+        lat_deg: 36.33,
+        lon_deg: -83.80,
+    };
+    for (autopilot, is_cut) in [(Autopilot::ArduPilot, true), (Autopilot::Px4, false)] {
+        let mut spec = empty_spec(vec![copter("alpha", 1, START, far)]);
+        spec.vehicles[0].autopilot = autopilot;
+        let world = world(&spec);
+        let route = straight(world.stations[0].start, world.stations[0].goal);
+        let mission = mission::build(&spec, &world, 0, &[route]).expect("a mission");
+        let at = |item: &&Item| item.command == command::NAV_WAYPOINT;
+        let places = mission.items.iter().filter(at).map(|item| LatLon {
+            lat_deg: f64::from(item.x) / 1e7,
+            lon_deg: f64::from(item.y) / 1e7,
+        });
+        let places: Vec<LatLon> = std::iter::once(START).chain(places).collect();
+        let legs_m = places.windows(2).map(|pair| pair[0].chord_m(pair[1]));
+        // 45.8 km in one leg bend by 30 m, 18.6 km by 5 m.
+        let longest_m = legs_m.fold(0.0, f64::max);
+        assert_eq!(longest_m < 18_600.0, is_cut, "{autopilot:?} {longest_m}");
+    }
+}
+
+#[test]
 fn an_ardupilot_copter_takes_off_sets_its_speed_flies_and_lands() {
     let (spec, world) = spec_of(|_| {});
     let routes = [straight(world.stations[0].start, world.stations[0].goal)];

@@ -1196,14 +1196,16 @@ fn long_legs_and_followed_terrain_say_how_far_the_autopilot_may_differ() {
 
 #[test]
 fn the_bend_of_the_map_of_ardupilot_counts_where_it_is_not_small() {
-    // 9 km, of which 1.16 m; a leg half as long bends by 0.29 m.
+    // 31.4 km, which is 14.2 m; legs half as long bend by 3.6 m.
+    let (from, to) = (place(36.30, -84.40), place(36.30, -84.05));
     for (stops, bend_m) in [
-        (&[west(), east()][..], 1.16),
-        (&[west(), middle(), east()], 0.0),
+        (&[from, to][..], 14.2),
+        (&[from, place(36.30, -84.225), to], 0.0),
     ] {
         let (mut spec, _) = one();
         spec.threats
             .push(threat("mast", place(36.3050, -84.24), 100.0));
+        spec.vehicles[0] = copter("alpha", 1, from, to);
         let margin_m = |autopilot| {
             let mut spec = spec.clone();
             spec.vehicles[0].autopilot = autopilot;
@@ -1215,7 +1217,7 @@ fn the_bend_of_the_map_of_ardupilot_counts_where_it_is_not_small() {
             of.expect("a margin").value
         };
         let less_m = margin_m(Autopilot::Px4) - margin_m(Autopilot::ArduPilot);
-        assert!((less_m - bend_m).abs() < 0.02, "{less_m} m, not {bend_m}");
+        assert!((less_m - bend_m).abs() < 0.1, "{less_m} m, not {bend_m}");
     }
 }
 

@@ -8,10 +8,15 @@ use super::radio::{Radio, Received};
 use crate::link::codec::Version;
 use crate::link::ground_station::address;
 use crate::link::message::{Address, Message};
+use crate::link::time::Time;
 use crate::spec::Link;
 
 /// Longest wait on a socket before queued messages go out, milliseconds.
 const TURN_MS: u64 = 4;
+/// One that fails again within this time, milliseconds, has the same outage: it may hear and not send.
+const OUTAGE_MS: u64 = 5000;
+/// Between two attempts on a link that fails.
+const FAILED_WAIT: Duration = Duration::from_millis(20);
 
 /// Open links to a fleet. They are closed when this is dropped.
 #[derive(Debug)]
@@ -63,10 +68,7 @@ impl Links {
                     let (inbox, name_of) = (send.clone(), name.clone());
                     let number = names.len();
                     std::thread::spawn(move || {
-                        if let Err(error) = serve(radio, (number, &name_of), &messages, &inbox) {
-                            // Without a receiver nobody needs the error.
-                            let _ = inbox.send(Arrival::Failed(name_of, error.to_string()));
-                        }
+                        serve(radio, (number, &name_of), &messages, &inbox);
                     });
                     links.outboxes.push(outbox);
                     names.push(name);
@@ -105,54 +107,63 @@ impl Links {
     }
 }
 
-/// Serves one link until [`Links`] is dropped. A link that may recover is reported once
-/// for each outage and tried on.
+/// Serves one link until [`Links`] is dropped. One that fails is reported once for each outage and tried on.
 fn serve(
     mut radio: Radio<'static>,
     (number, name): (usize, &str),
     messages: &Receiver<(u8, Message)>,
     inbox: &Sender<Arrival>,
-) -> std::io::Result<()> {
-    let mut has_failed = false;
+) {
+    let mut failed: Option<Time> = None;
     loop {
-        loop {
-            match messages.try_recv() {
-                Ok((system, message)) => radio.send(system, Version::Two, &message)?,
-                Err(TryRecvError::Empty) => break,
-                Err(TryRecvError::Disconnected) => return Ok(()),
+        let turn = turn(&mut radio, messages);
+        let now = radio.now();
+        let arrivals = match turn {
+            Ok(None) => return,
+            Ok(Some(received)) => {
+                failed.take_if(|at| !received.is_empty() && now - *at > OUTAGE_MS);
+                let arrivals = received.into_iter().map(|of| arrival(number, of));
+                arrivals.collect()
+            }
+            Err(error) => {
+                std::thread::sleep(FAILED_WAIT);
+                let is_new = failed.replace(now).is_none();
+                let arrival = Arrival::Failed(name.to_owned(), error.to_string());
+                Vec::from_iter(is_new.then_some(arrival))
+            }
+        };
+        for arrival in arrivals {
+            if inbox.send(arrival).is_err() {
+                return;
             }
         }
-        let received = match radio.receive(radio.now() + TURN_MS) {
-            Err(error) if radio.can_recover() => {
-                if !has_failed
-                    && inbox
-                        .send(Arrival::Failed(name.to_owned(), error.to_string()))
-                        .is_err()
-                {
-                    return Ok(());
-                }
-                has_failed = true;
-                continue;
-            }
-            received => received?,
-        };
-        has_failed &= received.is_empty();
-        for received in received {
-            let arrival = match received {
-                Received::Message(from, _, message) => Arrival::Message(number, from, message),
-                Received::DuplicateSystem(system, [one, two]) => {
-                    let what = match one == two {
-                        true => {
-                            "another vehicle speaks with its system id: what is known of it is of both"
-                        }
-                        false => "speaks from two addresses at once",
-                    };
-                    Arrival::DuplicateSystem(system, what)
-                }
+    }
+}
+
+/// Sends what is queued and takes in what comes; none where nobody needs it any more.
+fn turn(
+    radio: &mut Radio<'static>,
+    messages: &Receiver<(u8, Message)>,
+) -> std::io::Result<Option<Vec<Received>>> {
+    loop {
+        match messages.try_recv() {
+            Ok((system, message)) => radio.send(system, Version::Two, &message)?,
+            Err(TryRecvError::Empty) => break,
+            Err(TryRecvError::Disconnected) => return Ok(None),
+        }
+    }
+    radio.receive(radio.now() + TURN_MS).map(Some)
+}
+
+fn arrival(number: usize, received: Received) -> Arrival {
+    match received {
+        Received::Message(from, _, message) => Arrival::Message(number, from, message),
+        Received::DuplicateSystem(system, [one, two]) => {
+            let what = match one == two {
+                true => "another vehicle speaks with its system id: what is known of it is of both",
+                false => "speaks from two addresses at once",
             };
-            if inbox.send(arrival).is_err() {
-                return Ok(());
-            }
+            Arrival::DuplicateSystem(system, what)
         }
     }
 }

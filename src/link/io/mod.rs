@@ -4,6 +4,7 @@ pub(super) mod links;
 mod peers;
 pub(super) mod radio;
 mod sequences;
+mod serial;
 mod socket;
 mod tcp;
 pub(super) mod tlog;

@@ -60,11 +60,6 @@ impl<'a> Radio<'a> {
         self.wire.remote().is_none()
     }
 
-    /// Whether a failed link may recover.
-    pub(crate) fn can_recover(&self) -> bool {
-        matches!(self.wire, Wire::Tcp(_))
-    }
-
     /// Waits for messages, at most until `due`.
     pub(crate) fn receive(&mut self, due: Time) -> io::Result<Vec<Received>> {
         let mut buffer = [0; 2048];

@@ -1,16 +1,12 @@
 //! UDP, TCP and serial lines behind one interface.
 
-use std::io::{self, Read, Write};
+use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
-use serialport::SerialPort;
-
-use super::tcp::{Connection, closed};
+use super::serial::Line;
+use super::tcp::Connection;
 use crate::spec::Link;
-
-/// Longest wait for a serial line to take what we send.
-const WRITE_WAIT: Duration = Duration::from_secs(2);
 
 /// An open link.
 pub(crate) enum Wire {
@@ -22,7 +18,7 @@ pub(crate) enum Wire {
     /// A stream to one peer.
     Tcp(Connection),
     /// A line to one peer.
-    Serial(Box<dyn SerialPort>),
+    Serial(Line),
 }
 
 /// Stands for the peer at the other end of a serial line.
@@ -49,10 +45,7 @@ impl Wire {
             }
             Link::Tcp(address) => Ok(Self::Tcp(Connection::connect(resolve(address)?)?)),
             Link::TcpIn(address) => Ok(Self::Tcp(Connection::accept(address)?)),
-            Link::Serial { device, baud } => {
-                let port = serialport::new(device, *baud).timeout(WRITE_WAIT);
-                Ok(Self::Serial(port.open()?))
-            }
+            Link::Serial { device, baud } => Ok(Self::Serial(Line::open(device, *baud)?)),
             Link::Sim => Err(io::Error::new(
                 io::ErrorKind::Unsupported,
                 "no simulated vehicle was started for it",
@@ -86,12 +79,9 @@ impl Wire {
                 let length = connection.receive(buffer, wait)?;
                 return Ok(length.map(|length| (length, connection.peer())));
             }
-            Self::Serial(port) => {
-                port.set_timeout(wait)?;
-                match port.read(buffer) {
-                    Ok(0) => Err(closed()),
-                    read => read.map(|length| (length, LINE_END)),
-                }
+            Self::Serial(line) => {
+                let length = line.receive(buffer, wait)?;
+                return Ok(length.map(|length| (length, LINE_END)));
             }
         };
         match received {
@@ -109,9 +99,9 @@ impl Wire {
                 connection.send(frame);
                 return Ok(());
             }
-            Self::Serial(port) => {
-                port.set_timeout(WRITE_WAIT)?;
-                return port.write_all(frame);
+            Self::Serial(line) => {
+                line.send(frame);
+                return Ok(());
             }
         };
         // A datagram that cannot go now is a lost one; the machines send it again.
