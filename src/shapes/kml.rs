@@ -29,7 +29,7 @@ pub(super) fn read(text: &str) -> Result<Collection, ShapesError> {
         match node.tag_name().name() {
             "Placemark" => add_placemark(&document, node, &mut collection),
             "NetworkLink" => {
-                let why = "a link to another file, which is not read".to_owned();
+                let why = "a link to another file, which is not read";
                 refuse(&document, node, &mut collection, why);
             }
             _ => {}
@@ -74,7 +74,7 @@ fn text<'a>(of: Node<'a, '_>, name: &str) -> Option<&'a str> {
     child.text().map(str::trim).filter(|text| !text.is_empty())
 }
 
-fn refuse(document: &Document<'_>, node: Node<'_, '_>, collection: &mut Collection, why: String) {
+fn refuse(document: &Document<'_>, node: Node<'_, '_>, collection: &mut Collection, why: &str) {
     let line = document.text_pos_at(node.range().start).row;
     let name = text(node, "name").map_or_else(|| format!("line {line}"), str::to_owned);
     let why = format!("line {line}: {}", why.escape_debug());
@@ -88,7 +88,7 @@ fn add_placemark(document: &Document<'_>, placemark: Node<'_, '_>, collection: &
     let mut parts = Vec::new();
     flatten(placemark, &mut parts);
     if parts.is_empty() {
-        return refuse(document, placemark, collection, "no geometry".to_owned());
+        return refuse(document, placemark, collection, "no geometry");
     }
     for (part, geometry) in parts.into_iter().enumerate() {
         let name = match part {
@@ -97,7 +97,13 @@ fn add_placemark(document: &Document<'_>, placemark: Node<'_, '_>, collection: &
         };
         match shape(&name, geometry) {
             Ok(shape) => collection.shapes.push(shape),
-            Err(why) => refuse(document, placemark, collection, why),
+            // By its own name: who skips it skips no other part.
+            Err(why) => {
+                refuse(document, placemark, collection, &why);
+                if let Some(refused) = collection.refused.last_mut().filter(|_| part > 0) {
+                    refused.name = name;
+                }
+            }
         }
     }
 }

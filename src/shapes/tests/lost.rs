@@ -141,6 +141,8 @@ fn every_geometry_of_a_placemark_is_read_whatever_others_it_has() {
             "{found:?}"
         );
     }
+    let both = format!("<kml><Placemark><name>a</name>{polygon}{model}</Placemark></kml>");
+    assert_eq!(refused(&shapes("a.kml", &both)), ["a part 2"]);
     let link =
         "<kml><NetworkLink><name>more</name><Link><href>b.kml</href></Link></NetworkLink></kml>";
     assert_eq!(refused(&shapes("a.kml", link)), ["more"]);
