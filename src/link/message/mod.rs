@@ -182,6 +182,17 @@ impl MissionMessage {
         let system = self.target.system;
         (is_accepted && system != 0 && !self.target.reaches(us)).then_some(system)
     }
+
+    /// Whether a message that came `from` somebody is between the vehicle and a station that is not us.
+    pub(crate) fn is_of_stranger(
+        &self,
+        station: Address,
+        (from, vehicle): (Address, Address),
+        us: Address,
+    ) -> bool {
+        let is_stranger = station != vehicle && station.system != 0 && !station.reaches(us);
+        is_stranger && (from == vehicle || self.target.reaches(vehicle))
+    }
 }
 
 /// Content of a message of the mission protocol.

@@ -36,9 +36,7 @@ impl Reading {
             _ if is_confirmed => message.target,
             _ => return,
         };
-        let is_stranger = station != vehicle && station.system != 0 && !station.reaches(self.us);
-        let is_to_vehicle = from == vehicle || message.target.reaches(vehicle);
-        if !is_stranger || !is_to_vehicle {
+        if !message.is_of_stranger(station, (from, vehicle), self.us) {
             return;
         }
         self.foreign = Some((station.system, List::of(message.mission_type)));

@@ -61,7 +61,6 @@ impl Session<'_> {
         if matches!(self.stage, Stage::Discovery(_)) || self.foreign.0.is_some() {
             return;
         }
-        let is_stranger = |of: Address| of != vehicle && of.system != 0 && !of.reaches(self.us);
         let station = match message.body {
             Body::Count { .. } | Body::Item { .. } | Body::ItemInt { .. } | Body::ClearAll => from,
             Body::Ack {
@@ -70,8 +69,7 @@ impl Session<'_> {
             } if from == vehicle => message.target,
             _ => return,
         };
-        let is_to_vehicle = from == vehicle || message.target.reaches(vehicle);
-        if is_stranger(station) && is_to_vehicle {
+        if message.is_of_stranger(station, (from, vehicle), self.us) {
             self.foreign = Foreign(Some((station.system, List::of(message.mission_type))));
         }
     }
