@@ -97,7 +97,8 @@ impl Onboard {
         let transfer_s = TRANSFER_S + ITEM_S * items as f64;
         self.sent_until_s = t_s + transfer_s * speedup.max(1.0);
         self.next = Some(plan);
-        self.id = None;
+        // What it is heard to hold from now on says whether it is another one.
+        (self.id, self.differs) = (None, None);
     }
 
     /// Items of the mission that it should hold.
@@ -206,7 +207,7 @@ impl Onboard {
             self.id = Some(id);
         }
         // A vehicle that never said how many items it holds does not say that it has none.
-        let has_others = self.total.is_some() && !is(self.items);
+        let has_others = self.total.is_some() && !is(self.items) && !self.is_between(t_s, total);
         let has_other_id = self.id.is_some_and(|known| id != 0 && id != known);
         let what = match (has_others, has_other_id) {
             (true, _) if total == 0 => Some("the mission on board was cleared".to_owned()),
@@ -223,6 +224,15 @@ impl Onboard {
             let since_s = self.differs.as_ref().map_or(t_s, |(_, since_s)| *since_s);
             (what, since_s)
         });
+    }
+
+    /// Whether as many items may be a part of a transfer under way: ArduPilot takes them one by one.
+    fn is_between(&self, t_s: f64, total: u16) -> bool {
+        let next = self.next.as_ref().filter(|_| self.is_sent(t_s));
+        next.is_some_and(|next| {
+            let (least, most) = (self.items.min(next.items), self.items.max(next.items));
+            (least.max(1)..=most).contains(&usize::from(total))
+        })
     }
 
     /// What is wrong with the mission on board.

@@ -330,3 +330,28 @@ fn a_plan_that_comes_late_is_known_all_the_same() {
         }
     });
 }
+
+#[test]
+fn items_that_come_one_by_one_are_no_other_mission() {
+    let hold = |total: u16| Message::MissionCurrent {
+        seq: 1,
+        total,
+        opaque_ids: [0, 6, 7],
+    };
+    with_another_plan(|flying| {
+        for s in 11..16 {
+            let texts = flying.says(f64::from(s), &hold(4));
+            assert!(texts.is_empty(), "{texts:?}");
+        }
+        let texts: Vec<String> = (16..20)
+            .flat_map(|s| flying.says(f64::from(s), &hold(7)))
+            .collect();
+        assert_eq!(texts, ["the mission on board has 7 items, the plan 3"]);
+    });
+    with_another_plan(|flying| {
+        let texts: Vec<String> = (11..60)
+            .flat_map(|s| flying.says(f64::from(s), &hold(4)))
+            .collect();
+        assert_eq!(texts, ["the mission on board has 4 items, the plan 3"]);
+    });
+}

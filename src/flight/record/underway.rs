@@ -210,7 +210,12 @@ impl Underway {
 
     /// Whole lines after the first `taken` bytes, and the number of bytes up to their end.
     pub(crate) fn lines_after(&self, taken: usize) -> (Vec<String>, usize) {
-        let text = read_regular(&self.underway()).unwrap_or_default();
+        let path = self.underway();
+        let has_more = std::fs::metadata(&path).is_ok_and(|of| of.len() > taken as u64);
+        if !has_more {
+            return (Vec::new(), taken);
+        }
+        let text = read_regular(&path).unwrap_or_default();
         let fresh = text.get(taken..).unwrap_or_default();
         let whole = fresh.rfind('\n').map_or("", |end| &fresh[..=end]);
         let lines = whole.lines().map(str::to_owned).collect();

@@ -25,8 +25,6 @@ use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
 use crate::report;
 
-/// Between two looks for lines of `replan`, milliseconds.
-const UNDERWAY_MS: u64 = 250;
 /// Messages that are handled before the fleet has its turn again.
 const BURST: usize = 1000;
 
@@ -57,8 +55,8 @@ pub struct Driver<'a> {
     underway: &'a Underway,
     /// Everything that could not be written, each once.
     unwritten: Vec<String>,
-    /// Bytes read from the lines of `replan`, and when they are looked for again.
-    read: (usize, Time),
+    /// Bytes read from the lines of `replan`.
+    read: usize,
 }
 
 /// The verdict on a flight, by its record.
@@ -82,7 +80,7 @@ impl<'a> Driver<'a> {
             journal,
             underway,
             unwritten: Vec::new(),
-            read: (0, Time(0)),
+            read: 0,
         }
     }
 
@@ -90,7 +88,7 @@ impl<'a> Driver<'a> {
     /// has already.
     #[must_use]
     pub fn resuming(mut self, flight: &Interrupted) -> Self {
-        self.read.0 = self.underway.length_of(flight.replan_lines());
+        self.read = self.underway.length_of(flight.replan_lines());
         self
     }
 
@@ -145,6 +143,8 @@ impl<'a> Driver<'a> {
     /// end it: vehicles in the air are monitored to the ground.
     pub fn fly(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
         loop {
+            // Before alarms are looked for.
+            self.read_replan(fleet, operator);
             let now = self.now();
             fleet.handle_timeout(now);
             while let Some((system, message)) = fleet.poll_transmit() {
@@ -157,6 +157,7 @@ impl<'a> Driver<'a> {
             let shown = operator.update(fleet, now);
             self.note_unwritten(fleet, operator, shown);
             if fleet.outcome().is_some() {
+                self.read_replan(fleet, operator);
                 return self.record(fleet, operator);
             }
             self.listen(fleet);
@@ -213,14 +214,20 @@ impl<'a> Driver<'a> {
             );
         }
         lines.extend(self.journal.fresh(fleet.flown()));
+        let written = self.journal.put(&lines);
+        self.note_unwritten(fleet, operator, written);
+    }
+
+    /// Takes in the lines of `replan`. It writes them before it sends, so what a vehicle was heard to hold until now
+    /// is in them, if `replan` sent it.
+    fn read_replan(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
+        let (fresh, read) = self.underway.lines_after(self.read);
         let now = self.now();
-        if now >= self.read.1 || fleet.outcome().is_some() {
-            let (fresh, read) = self.underway.lines_after(self.read.0);
-            for line in fresh {
-                lines.extend(replan_lines(line, fleet, now, operator));
-            }
-            self.read = (read, now + UNDERWAY_MS);
-        }
+        let lines = fresh
+            .into_iter()
+            .flat_map(|line| replan_lines(line, fleet, now, operator));
+        let lines: Vec<String> = lines.collect();
+        self.read = read;
         let written = self.journal.put(&lines);
         self.note_unwritten(fleet, operator, written);
     }
