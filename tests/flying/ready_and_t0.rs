@@ -101,3 +101,24 @@ fn who_says_that_a_parameter_is_another_one_meanwhile_starts_nobody() {
     let text = "it says that WPNAV_SPEED is 500 and not 1500, after it was checked";
     assert!(is_named(&why, text), "{why:?}");
 }
+
+#[test]
+fn what_a_vehicle_never_reports_is_named_at_t0() {
+    let plan = two();
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    let switch = change(&mut sky, |_, message| {
+        if let Message::Flight(FlightMessage::Health(health)) = message {
+            match health {
+                Health::System(status) => status.remaining = -1,
+                Health::Battery { remaining, .. } => *remaining = -1,
+                _ => {}
+            }
+        }
+    });
+    switch.set(true);
+    sky.fly_to(1.0);
+    const BATTERY: &str =
+        "has not reported the charge of its battery: no alarm will come of that unless it does";
+    assert!(sky.says("alpha", BATTERY), "{:?}", sky.events);
+    assert!(!sky.says("bravo", "has not reported"), "{:?}", sky.events);
+}

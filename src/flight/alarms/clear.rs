@@ -86,6 +86,16 @@ impl Alarms<'_> {
         self.vehicles.get(vehicle)?.health.battery()
     }
 
+    /// What a vehicle has never reported, in words: nothing raises an alarm of that.
+    #[must_use]
+    pub fn unreported(&self, vehicle: usize) -> Option<String> {
+        let what = self.vehicles.get(vehicle)?.health.unreported();
+        (!what.is_empty()).then(|| {
+            let what = what.join(" and ");
+            format!("has not reported {what}: no alarm will come of that unless it does")
+        })
+    }
+
     /// Why the circle on which a wing would hold here is not clear, in words; none if it is, and
     /// of a vehicle without a wing. `None` of a place that is not known is a reason, too.
     #[must_use]

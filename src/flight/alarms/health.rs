@@ -221,6 +221,19 @@ impl HealthState {
         Some(format!("no GPS report for {silent_s:.0} s"))
     }
 
+    /// What it has never reported, so that no alarm will come of it.
+    pub(super) fn unreported(&self) -> Vec<&'static str> {
+        let has_battery = !self.batteries.is_empty() || !self.charges.is_empty();
+        [
+            (has_battery, "the charge of its battery"),
+            (self.fix.is_some(), "its GPS fix"),
+            (self.estimate_age.is_some(), "its position estimate"),
+        ]
+        .into_iter()
+        .filter_map(|(is_reported, what)| (!is_reported).then_some(what))
+        .collect()
+    }
+
     pub(super) fn battery(&self) -> Option<String> {
         let reserve = 100.0 * self.reserve.unwrap_or(RESERVE);
         // What was low is low as long as nothing else is reported.

@@ -195,10 +195,22 @@ impl Fleet<'_> {
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };
             self.say(now, None, BEGUN.to_owned());
+            self.say_unreported(now);
         } else if now >= until {
             let why = "no fresh heartbeat shows it armed";
             let refusals = waiting.into_iter().map(|id| (id, why.to_owned()));
             self.abandon(now, refusals.collect());
+        }
+    }
+
+    /// Which alarms cannot come, for want of reports.
+    fn say_unreported(&mut self, now: Time) {
+        for index in 0..self.vehicles.len() {
+            let alarms = self.alarms.as_ref();
+            if let Some(text) = alarms.and_then(|alarms| alarms.unreported(index)) {
+                let id = self.vehicles[index].of.vehicle.to_owned();
+                self.say(now, Some(id), text);
+            }
         }
     }
 }
