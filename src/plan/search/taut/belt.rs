@@ -13,13 +13,24 @@ use crate::plan::classes::taut_line::Bend;
 const TURN_RAD: f64 = 0.45;
 /// A wider turn than need be at a corner may lengthen the line by this, metres.
 const LONGER_M: f64 = 0.05;
-/// A wider turn takes no more than this share of the shorter leg.
-const LEG_SHARE: f64 = 0.4;
+/// A wider turn takes no more than this share of the shorter leg: control points beside it are as far apart as its own.
+const LEG_SHARE: f64 = 0.07;
 /// Distance of control points at the ends, as a share of that on straight legs: there a path comes
 /// down to where it is cheap, or up from it.
 const END_SHARE: f64 = 1.0 / 16.0;
-/// Rounds in which circles and legs are brought in line.
-const ROUNDS: usize = 6;
+/// Rounds in which the line around the circles is drawn taut, and the greatest step of a centre for each unit of the
+/// difference of courses, as a share of the radius or the shorter leg.
+const ROUNDS: usize = 60;
+const STEP: f64 = 0.25;
+/// In the first rounds no circle is left out.
+const FIRST_ROUNDS: usize = 5;
+/// How far apart circles are that the line crosses between, as a share of the least, and rounds in which they are parted.
+const PARTED: f64 = 1.001;
+const PARTINGS: usize = 100;
+/// Steps behind an arc that are as long as those on it, before they grow.
+const NEAR_STEPS: usize = 3;
+/// A step may be longer than those on the arc beside it by up to 1.7 times, or shorter by 0.85: more turns tighter.
+const LONGER_STEP: f64 = 0.3;
 /// Smaller turns are none, radians.
 const STRAIGHT_RAD: f64 = 1e-6;
 
@@ -30,8 +41,14 @@ type Vector = Vector2<f64>;
 struct Circle {
     /// What it bends around: a place, and the distance that it keeps from it.
     around: (Vector, f64),
+    /// Positive where the line turns left.
+    side: f64,
     /// Least radius of the turn.
     radius_m: f64,
+    /// Greatest step of its centre for each unit of the difference of courses, metres.
+    step_m: f64,
+    /// How far from the centre the spline passes.
+    touches_m: f64,
     center: Vector,
     /// Distance of the legs from the centre, positive where the line turns left.
     legs_m: f64,
@@ -49,26 +66,14 @@ pub(super) fn controls(line: &[Bend], radius_m: f64, span_m: f64) -> Option<Vec<
     let is_same = |a: &Bend, b: &Bend| a.around.1 > 0.0 && a.around == b.around;
     let turns: Vec<&[Bend]> = line.chunk_by(is_same).collect();
     let mut circles: Vec<Circle> = turns.iter().map(|turn| Circle::point(&turn[0])).collect();
-    let inner = 1..turns.len().saturating_sub(1);
-    for index in inner.clone() {
+    for index in 1..turns.len().saturating_sub(1) {
         let [before, first] = [turns[index - 1].last()?, turns[index].first()?];
         let [last, after] = [turns[index].last()?, turns[index + 1].first()?];
         let into = vector(first.at) - vector(before.at);
         let out = vector(after.at) - vector(last.at);
-        let (_, around_m) = first.around;
-        circles[index].radius_m = match around_m > 0.0 {
-            true => radius_m.max(around_m),
-            false => wide_m(into, out, radius_m),
-        };
-        circles[index].turn(into.normalize(), out.normalize());
+        circles[index].begin((into, out), radius_m);
     }
-    for _ in 0..ROUNDS {
-        let courses = courses(&circles)?;
-        for index in inner.clone() {
-            circles[index].turn(courses[index - 1], courses[index]);
-        }
-    }
-    let courses = courses(&circles)?;
+    let courses = draw_taut(&mut circles)?;
     let mut free: Vec<Vector> = Vec::new();
     for (index, course) in courses.iter().enumerate() {
         let (from, to) = (&circles[index], &circles[index + 1]);
@@ -115,6 +120,65 @@ fn turn_rad(into: Vector, out: Vector) -> f64 {
     into.perp(&out).atan2(into.dot(&out))
 }
 
+/// Moves circles around their places until the line around them is as short as it can be, and leaves out those that it
+/// passes without a turn. The courses of its legs; none where it cannot lead between two circles.
+///
+/// A centre moves against the gradient of the length, which is the difference of the courses, and no further from its
+/// place than the turn is wide.
+fn draw_taut(circles: &mut Vec<Circle>) -> Option<Vec<Vector>> {
+    part(circles);
+    for round in 0..ROUNDS {
+        let courses = courses(circles)?;
+        let turned =
+            |index: usize| circles[index].side * turn_rad(courses[index - 1], courses[index]);
+        let inner = 1..circles.len() - 1;
+        let least = inner
+            .clone()
+            .min_by(|a, b| turned(*a).total_cmp(&turned(*b)));
+        if let Some(index) = least.filter(|index| round >= FIRST_ROUNDS && turned(*index) <= 0.0) {
+            circles.remove(index);
+            continue;
+        }
+        for index in inner {
+            let (into, out) = (courses[index - 1], courses[index]);
+            let circle = &mut circles[index];
+            circle.turn(into, out);
+            circle.center -= circle.step_m * (into - out);
+            circle.hold();
+        }
+        part(circles);
+    }
+    let drawn = courses(circles)?;
+    for index in 1..circles.len() - 1 {
+        circles[index].turn(drawn[index - 1], drawn[index]);
+    }
+    courses(circles)
+}
+
+/// Parts circles that the line crosses between: no leg leads between two that are too near.
+fn part(circles: &mut [Circle]) {
+    for _ in 0..PARTINGS {
+        let mut are_parted = true;
+        for index in 1..circles.len() {
+            let (from, to) = (circles[index - 1], circles[index]);
+            let between = to.center - from.center;
+            let (apart_m, least_m) = (between.norm(), (from.legs_m - to.legs_m).abs());
+            if from.legs_m * to.legs_m >= 0.0 || apart_m > least_m || apart_m <= 0.0 {
+                continue;
+            }
+            are_parted = false;
+            let each = between * (0.5 * (PARTED * least_m - apart_m) / apart_m);
+            circles[index - 1].center -= each;
+            circles[index].center += each;
+            circles[index - 1].hold();
+            circles[index].hold();
+        }
+        if are_parted {
+            return;
+        }
+    }
+}
+
 /// The courses of the legs between circles: unit vectors.
 fn courses(circles: &[Circle]) -> Option<Vec<Vector>> {
     let course = |pair: &[Circle]| {
@@ -137,36 +201,27 @@ fn leg((begin, first_m): (Vector, f64), (end, last_m): (Vector, f64), span_m: f6
     let (mut from_m, mut to_m) = (vec![0.0], vec![length_m]);
     let (mut first_m, mut last_m) = (first_m.min(span_m), last_m.min(span_m));
     let (mut begun_m, mut left_m) = (0.0, length_m);
-    let mut number = 0;
+    let mut counts = [0, 0];
     while left_m - begun_m > first_m.min(last_m) * 2.0 && (first_m < span_m || last_m < span_m) {
-        // Two as near as those on the arc, then each twice as far.
-        let grown = |step_m: f64| {
-            if number < 2 {
-                step_m
-            } else {
-                (2.0 * step_m).min(span_m)
-            }
-        };
         let (is_first, is_last) = (first_m <= last_m, last_m <= first_m);
         if is_first {
             begun_m += first_m;
             from_m.push(begun_m);
-            first_m = grown(first_m);
+            first_m = grown_m(first_m, &mut counts[0], span_m);
         }
         if is_last {
             if left_m - begun_m > last_m {
                 left_m -= last_m;
                 to_m.push(left_m);
             }
-            last_m = grown(last_m);
+            last_m = grown_m(last_m, &mut counts[1], span_m);
         }
-        number += 1;
     }
     let gap_m = left_m - begun_m;
     let pieces = gap_m / first_m.max(last_m).max(1e-3);
     // Points nearer to each other would turn tighter.
     let pieces = (if first_m < span_m {
-        pieces.floor()
+        (pieces + LONGER_STEP).floor()
     } else {
         pieces.ceil()
     })
@@ -183,12 +238,24 @@ fn leg((begin, first_m): (Vector, f64), (end, last_m): (Vector, f64), span_m: f6
     all_m[1..inner].iter().map(|m| begin + along * *m).collect()
 }
 
+/// The next step from an arc: some are as long as those on it, then each is twice as long.
+fn grown_m(step_m: f64, count: &mut usize, span_m: f64) -> f64 {
+    *count += 1;
+    if *count < NEAR_STEPS {
+        return step_m;
+    }
+    (2.0 * step_m).min(span_m)
+}
+
 impl Circle {
     fn point(bend: &Bend) -> Self {
         let (center, around_m) = bend.around;
         Self {
             around: (vector(center), around_m),
+            side: 0.0,
             radius_m: 0.0,
+            step_m: 0.0,
+            touches_m: 0.0,
             center: vector(center),
             legs_m: 0.0,
             points: 0,
@@ -197,17 +264,32 @@ impl Circle {
         }
     }
 
-    /// The circle of a turn between two courses.
+    /// The circle of a turn between two legs of the line, where it touches its place.
+    fn begin(&mut self, (into, out): (Vector, Vector), radius_m: f64) {
+        let (at, around_m) = self.around;
+        self.side = turn_rad(into, out).signum();
+        self.radius_m = match around_m > 0.0 {
+            true => radius_m.max(around_m),
+            false => wide_m(into, out, radius_m),
+        };
+        self.step_m = STEP * self.radius_m.min(into.norm()).min(out.norm());
+        let (into, out) = (into.normalize(), out.normalize());
+        self.turn(into, out);
+        self.center = at - outward(into, out) * (self.touches_m - around_m);
+    }
+
+    /// Its control points for a turn between two courses.
     fn turn(&mut self, into: Vector, out: Vector) {
-        let turn_rad = turn_rad(into, out);
-        let count = (turn_rad.abs() / TURN_RAD).ceil().max(1.0);
-        self.each_rad = turn_rad.abs().max(STRAIGHT_RAD) / count;
+        let turn_rad = turn_rad(into, out).abs();
+        let count = (turn_rad / TURN_RAD).ceil().max(1.0);
+        self.each_rad = turn_rad.max(STRAIGHT_RAD) / count;
         let (sin, cos) = (0.5 * self.each_rad).sin_cos();
         // Control points so far apart that the spline through them turns with the radius.
         let touches = touches(self.each_rad);
         self.points_m = self.radius_m / touches;
         self.points_m = self.points_m.max(0.5 * self.radius_m * self.each_rad / sin);
-        self.legs_m = (self.points_m * cos).copysign(turn_rad);
+        self.legs_m = self.points_m * cos * self.side;
+        self.touches_m = self.points_m * touches;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -215,8 +297,16 @@ impl Circle {
         )]
         let points = count as usize;
         self.points = points;
+    }
+
+    /// What it bends around stays within it.
+    fn hold(&mut self) {
         let (at, around_m) = self.around;
-        self.center = at - outward(into, out) * (self.points_m * touches - around_m);
+        let (away, most_m) = (self.center - at, (self.touches_m - around_m).max(0.0));
+        let away_m = away.norm();
+        if away_m > most_m {
+            self.center = at + away * (most_m / away_m);
+        }
     }
 
     /// Distance between control points at the corner; an end is none.
@@ -259,14 +349,40 @@ mod tests {
     use super::*;
     use crate::numeric::Basis;
 
+    const fn at(east_m: f64, north_m: f64) -> EastNorth {
+        EastNorth { east_m, north_m }
+    }
+
+    /// The spline along a line of corners, sampled.
+    fn path(line: &[EastNorth], radius_m: f64, span_m: f64) -> Vec<EastNorth> {
+        let place = |at: &EastNorth| Bend {
+            at: *at,
+            around: (*at, 0.0),
+        };
+        let bends: Vec<Bend> = line.iter().map(place).collect();
+        let free = controls(&bends, radius_m, span_m).expect("a belt");
+        let all = [&line[..1], &free, &line[line.len() - 1..]].concat();
+        let basis = Basis::uniform(all.len(), 40_001);
+        let sampled =
+            |of: fn(&EastNorth) -> f64| basis.sampled(&all.iter().map(of).collect::<Vec<f64>>());
+        let (east, north) = (sampled(|at| at.east_m), sampled(|at| at.north_m));
+        east.into_iter().zip(north).map(|(e, n)| at(e, n)).collect()
+    }
+
+    fn turns_no_tighter(path: &[EastNorth], radius_m: f64) {
+        for three in path.windows(3) {
+            let (into, out) = (
+                vector(three[1]) - vector(three[0]),
+                vector(three[2]) - vector(three[1]),
+            );
+            let per_m = turn_rad(into, out).abs() / (0.5 * (into.norm() + out.norm()));
+            assert!(per_m < 1.0 / radius_m, "{per_m} at {three:?}");
+        }
+    }
+
     #[test]
     fn a_belt_passes_its_corners_and_turns_no_tighter_than_its_radius() {
         const RADIUS_M: f64 = 25.0;
-        let at = |east_m, north_m| EastNorth { east_m, north_m };
-        let place = |at: EastNorth| Bend {
-            at,
-            around: (at, 0.0),
-        };
         let line = [
             at(0.0, 0.0),
             at(2000.0, 300.0),
@@ -274,24 +390,55 @@ mod tests {
             at(2400.0, 1000.0),
             at(200.0, 1100.0),
         ];
-        let free = controls(&line.map(place), 1.05 * RADIUS_M, 150.0).expect("legs are long");
-        let all = [&line[..1], &free, &line[4..]].concat();
-        let basis = Basis::uniform(all.len(), 40_001);
-        let sampled =
-            |of: fn(&EastNorth) -> f64| basis.sampled(&all.iter().map(of).collect::<Vec<f64>>());
-        let (east, north) = (sampled(|at| at.east_m), sampled(|at| at.north_m));
-        let path: Vec<EastNorth> = east.into_iter().zip(north).map(|(e, n)| at(e, n)).collect();
+        let path = path(&line, 1.05 * RADIUS_M, 150.0);
         for corner in &line[1..4] {
             let nearest_m = path.iter().map(|at| at.distance_m(*corner));
             assert!(nearest_m.fold(f64::INFINITY, f64::min) < 0.1);
         }
-        for three in path.windows(3) {
-            let (into, out) = (
-                vector(three[1]) - vector(three[0]),
-                vector(three[2]) - vector(three[1]),
-            );
-            let per_m = turn_rad(into, out).abs() / (0.5 * (into.norm() + out.norm()));
-            assert!(per_m < 1.0 / RADIUS_M, "{per_m} at {three:?}");
+        turns_no_tighter(&path, RADIUS_M);
+    }
+
+    /// Ends of walls 20 m thick, with turns that are as wide: around one, and to and fro between two.
+    #[test]
+    fn a_belt_leads_around_corners_that_are_as_near_as_its_turns_are_wide() {
+        const RADIUS_M: f64 = 10.0;
+        let around = [
+            at(106.2, 278.6),
+            at(278.5, 491.0),
+            at(298.6, 491.0),
+            at(298.5, 86.2),
+            at(-106.3, -470.9),
+        ];
+        let to_and_fro = [
+            at(20.0, -300.0),
+            at(0.0, 0.0),
+            at(20.0, 0.0),
+            at(0.0, 300.0),
+        ];
+        for line in [&around[..], &to_and_fro[..]] {
+            let path = path(line, 1.13 * RADIUS_M, 60.0);
+            turns_no_tighter(&path, RADIUS_M);
+            let length_m = |of: &[EastNorth]| {
+                of.windows(2)
+                    .map(|two| two[0].distance_m(two[1]))
+                    .sum::<f64>()
+            };
+            let longer_m = length_m(&path) - length_m(line);
+            assert!((0.0..15.0).contains(&longer_m), "{longer_m} m longer");
+            for three in line.windows(3) {
+                // It passes outside of each corner.
+                let (into, out) = (
+                    vector(three[1]) - vector(three[0]),
+                    vector(three[2]) - vector(three[1]),
+                );
+                let near = |at: &&[EastNorth]| at[0].distance_m(three[1]);
+                let nearest = path.windows(2).min_by(|a, b| near(a).total_cmp(&near(b)));
+                let nearest = nearest.expect("a path");
+                let along = (vector(nearest[1]) - vector(nearest[0])).normalize();
+                let beside_m = along.perp(&(vector(three[1]) - vector(nearest[0])));
+                let outside_m = beside_m * turn_rad(into, out).signum();
+                assert!(outside_m > -0.05, "{outside_m} m at {:?}", three[1]);
+            }
         }
     }
 }
