@@ -15,6 +15,7 @@ mod lateness;
 mod obstacles;
 mod other_world;
 mod px4_heights;
+mod set_by_parameters;
 mod verify;
 mod verify_independent;
 mod verify_sampled;

@@ -75,7 +75,9 @@ class WingFlight(Circles, Flight):
         self.wind = spec.get("wind")
         buffers = spec.get("buffer_m", {})
         self.min_agl = spec["area"]["min_agl_m"] + buffers.get("terrain", buffers.get("all", 0))
-        n = vehicle["max_load_factor"]
+        # A bank below the planned one makes wider turns.
+        bank = math.radians(params.get("ROLL_LIMIT_DEG", params.get("FW_R_LIM", 89.0)))
+        n = min(vehicle["max_load_factor"], 1 / math.cos(bank))
         self.lateral = G * math.sqrt(n * n - 1)
         self.fastest = self.most(vehicle["speed_mps"], spec["area"]["max_amsl_m"])
         self.turn_radius = self.fastest**2 / self.lateral

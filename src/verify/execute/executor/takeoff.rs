@@ -82,8 +82,8 @@ impl Pilot<'_> {
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
         // A slower climb is late on its way up already.
-        self.trajectory.late_s += slow_takeoff_s(mission, self.vehicle.climb_mps);
-        self.lift(row, amsl_m, self.vehicle.climb_mps, Some(Column::Ground));
+        self.trajectory.late_s += slow_takeoff_s(mission, self.rotors.climb_mps);
+        self.lift(row, amsl_m, self.rotors.climb_mps, Some(Column::Ground));
         let aside = at.map(|at| self.reach(row, at)).transpose()?;
         let aside = aside.filter(|at| at.distance_m(home.at) > self.tolerance_m);
         if self.vehicle.airframe == Airframe::Vtol {
