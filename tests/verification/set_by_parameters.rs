@@ -124,3 +124,28 @@ fn the_wind_drives_a_quadplane_off_for_as_long_as_the_parameters_of_its_rotors_h
     let up = &flown[0].segments[0];
     assert!((up.to.t_s - up.from.t_s - 160.0).abs() < 0.1, "{up:?}");
 }
+
+#[test]
+fn a_copter_flies_a_steep_leg_as_slowly_as_its_parameters_have_it_climb() {
+    let (from, to) = (place(36.30, -84.30), place(36.30, -84.25));
+    let vehicle = copter("alpha", 1, from, to);
+    let items = vec![
+        takeoff(from, UP_M),
+        speed(15.0),
+        waypoint(to, UP_M + 200.0),
+        land(to),
+    ];
+    let mission = mission(&vehicle, GROUND_M, items);
+    let spec = empty_spec(vec![vehicle]);
+    // 4493 m at 15 m/s; 200 m at 0.2 m/s. At both ends it takes some seconds more.
+    let slow = with(&mission, "WPNAV_SPEED_UP", 20.0);
+    for (mission, lasts_s, is_good) in [(&mission, 299.5, true), (&slow, 999.9, false)] {
+        let flown = verified_trajectories(&spec, &world(&spec), &[(0, mission)]);
+        let leg = flown[0].segments.iter().filter(|part| part.from.item == 3);
+        let flown_s: f64 = leg.map(|part| part.to.t_s - part.from.t_s).sum();
+        assert!((lasts_s..lasts_s + 8.0).contains(&flown_s), "{flown_s}");
+        let climb = margin(&spec, mission, &Limit::ClimbSpeed);
+        assert_eq!(climb.ok, is_good, "{climb:?}");
+        assert!((climb.value - 0.668).abs() < 0.01, "{climb:?}");
+    }
+}

@@ -20,6 +20,7 @@ use crate::world::{Stations, World};
 use super::fence::Fence;
 use crate::verify::execute::executor::is_launched;
 use crate::verify::execute::flight::{End, Flight, Last, Slope};
+use crate::verify::execute::legs::RISE_M;
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment, Requirement};
@@ -28,8 +29,6 @@ use crate::verify::{Limit, Margin, Moment, Requirement};
 const SPEED_MPS: f64 = 0.1;
 /// An encoded departure may differ from the planned one by this, s.
 const DEPARTURE_S: f64 = 0.5;
-/// Two altitudes in whole centimetres make a rise uncertain by this, metres.
-const RISE_M: f64 = 0.02;
 
 /// One vehicle's side of the contract.
 pub(crate) struct Contract<'a> {
