@@ -149,3 +149,42 @@ fn a_copter_flies_a_steep_leg_as_slowly_as_its_parameters_have_it_climb() {
         assert!((climb.value - 0.668).abs() < 0.01, "{climb:?}");
     }
 }
+
+#[test]
+fn a_wing_that_is_to_circle_tighter_than_it_turns_fails() {
+    let (spec, mission) = heron();
+    for (radius_m, is_good) in [(5.0, false), (45.0, false), (60.0, true)] {
+        let mut mission = mission.clone();
+        let circle = Item {
+            params: [5.0, 0.0, radius_m, 0.0],
+            ..at(
+                command::NAV_LOITER_TURNS,
+                frame::GLOBAL,
+                spot(1500.0, 0.0),
+                UP_M + 40.0,
+                5.0,
+            )
+        };
+        mission.items[2] = circle;
+        let found = margin(&spec, &mission, &Limit::LoiterRadius);
+        assert_eq!(found.ok, is_good, "{radius_m}: {found:?}");
+        if !is_good {
+            // 18 m/s indicated are 18.5 m/s at 520 m: 52.6 m with a load factor of 1.2.
+            assert!((found.bound - 52.6).abs() < 0.5, "{found:?}");
+            assert!(found.note.contains("cannot turn so tightly"), "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_bank_that_the_parameters_do_not_allow_makes_no_circle() {
+    let (spec, mission) = heron();
+    let radius = |mission: &VehicleMission| margin(&spec, mission, &Limit::LoiterRadius);
+    assert!(radius(&mission).ok);
+    assert!(radius(&with(&mission, "ROLL_LIMIT_DEG", 45.0)).ok);
+    for (name, value) in [("ROLL_LIMIT_DEG", 10.0), ("LIM_ROLL_CD", 1000.0)] {
+        // 18.5^2 / (g tan 10 degrees).
+        let found = radius(&with(&mission, name, value));
+        assert!(!found.ok && (found.bound - 198.0).abs() < 2.0, "{found:?}");
+    }
+}

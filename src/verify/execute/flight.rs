@@ -70,6 +70,16 @@ pub(crate) struct Circle {
     pub(crate) chord: usize,
 }
 
+/// A circle that a wing flies, once or more often.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Round {
+    /// Index of its first chord.
+    pub(crate) chord: usize,
+    pub(crate) radius_m: f64,
+    /// The least that it can turn at its speed and altitude, metres.
+    pub(crate) least_m: f64,
+}
+
 /// Where a plane may have the height of its takeoff.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EarlyTop {
@@ -149,6 +159,8 @@ pub(crate) struct Flight {
     /// How far from its place a descent on rotors may end, driven off by the wind, metres.
     pub(crate) landing_drift_m: f64,
     pub(crate) circle: Option<Circle>,
+    /// All circles of a wing, that one too.
+    pub(crate) rounds: Vec<Round>,
     /// From where on the flight is not known.
     pub(crate) unknown: Option<Unknown>,
     /// The item after which none is flown, if others follow it.

@@ -9,6 +9,7 @@ use crate::spec::Vehicle;
 
 use super::decode::Unknown;
 use crate::verify::measure::segment::Phase;
+pub(crate) use corners::turn_radius_at_m;
 use corners::{Corner, arc, corners, fit};
 
 /// Two altitudes in whole centimetres make a rise uncertain by this, metres.
