@@ -80,6 +80,14 @@ pub(crate) struct Round {
     pub(crate) least_m: f64,
 }
 
+/// A circle on rotors.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OnRotors {
+    pub(crate) chords: Range<usize>,
+    /// Its own speed over the ground, m/s.
+    pub(crate) speed_mps: f64,
+}
+
 /// Where a plane may have the height of its takeoff.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EarlyTop {
@@ -161,6 +169,7 @@ pub(crate) struct Flight {
     pub(crate) circle: Option<Circle>,
     /// All circles of a wing, that one too.
     pub(crate) rounds: Vec<Round>,
+    pub(crate) on_rotors: Vec<OnRotors>,
     /// From where on the flight is not known.
     pub(crate) unknown: Option<Unknown>,
     /// The item after which none is flown, if others follow it.
