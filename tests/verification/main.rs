@@ -5,6 +5,7 @@ mod support;
 
 mod airspeed;
 mod altitudes_and_endurance;
+mod bends;
 mod buffers;
 mod campaign;
 mod copter_corners;
