@@ -188,3 +188,19 @@ fn a_bank_that_the_parameters_do_not_allow_makes_no_circle() {
         assert!(!found.ok && (found.bound - 198.0).abs() < 2.0, "{found:?}");
     }
 }
+
+#[test]
+fn a_px4_copter_flies_to_the_place_of_its_takeoff_however_near_that_is() {
+    let (from, to) = (place(36.30, -84.30), place(36.30, -84.25));
+    let mut vehicle = copter("alpha", 1, from, to);
+    vehicle.autopilot = Autopilot::Px4;
+    let mut mission = level(&vehicle, UP_M, &[from, to]);
+    let mut spec = empty_spec(vec![vehicle]);
+    spec.mission.tolerance_m = 100.0;
+    // 89 m north of home, and a mast between.
+    let aside = place(36.3008, -84.30);
+    mission.items[0] = takeoff(aside, UP_M);
+    spec.threats = vec![threat("mast", place(36.3006, -84.30), 10.0)];
+    let found = margin(&spec, &mission, &Limit::Threat("mast".to_owned()));
+    assert!(!found.ok && found.value < 0.0, "{found:?}");
+}

@@ -109,8 +109,8 @@ class Knot:
 class Flight:
     """One vehicle's flight, from its `.waypoints` file and its part of the spec."""
 
-    def __init__(self, vehicle, items, ground, tolerance, radius):
-        self.vehicle, self.ground, self.tolerance, self.radius = vehicle, ground, tolerance, radius
+    def __init__(self, vehicle, items, ground, radius):
+        self.vehicle, self.ground, self.radius = vehicle, ground, radius
         self.profile = Profile(vehicle["accel_mps2"])
         self.ardupilot = vehicle["autopilot"] == "ardupilot"
         self.motions, self.judged, self.follows = [], [], False
@@ -187,7 +187,7 @@ class Flight:
         self.knots = [self.home]
         self.late += self.slow_takeoff()
         self.lift(amsl)
-        if not self.ardupilot and distance(item["at"], self.home.at) > self.tolerance:
+        if not self.ardupilot and distance(item["at"], self.home.at) > SAME_M:
             self.append(Knot(item["at"], amsl, None, self.speed))
             self.stop()
 
