@@ -123,7 +123,7 @@ class Comparison:
         if vehicle["airframe"] != "copter":
             return WingFlight(vehicle, read_items(path), self.ground, self.spec, read_params(path), self.origin)
         radius = read_radius(path, vehicle["autopilot"] == "ardupilot")
-        return Flight(vehicle, read_items(path), self.ground, self.spec["mission"]["tolerance_m"], radius)
+        return Flight(vehicle, read_items(path), self.ground, radius)
 
     def buffer(self, kind):
         buffers = self.spec.get("buffer_m", {})

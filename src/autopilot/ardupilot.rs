@@ -310,6 +310,8 @@ pub(super) static ARDUCOPTER: Facts = Facts {
         speed_parameters: [None; 2],
         rate_parameters: None,
         motion_parameters: Some(["WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL"]),
+        rotor_parameters: None,
+        bank_parameter: None,
         climb_mps: 2.5,
         descent_mps: 1.5,
         accel_mps2: 2.5,
@@ -358,6 +360,8 @@ pub(super) static ARDUPLANE: Facts = Facts {
         speed_parameters: [Some("AIRSPEED_MIN"), Some("AIRSPEED_MAX")],
         rate_parameters: Some(["TECS_CLMB_MAX", "TECS_SINK_MAX"]),
         motion_parameters: None,
+        rotor_parameters: None,
+        bank_parameter: Some("ROLL_LIMIT_DEG"),
         climb_mps: 5.0,
         descent_mps: 5.0,
         accel_mps2: 3.0,
@@ -408,6 +412,8 @@ pub(super) static QUADPLANE: Facts = Facts {
         speed_parameters: [Some("AIRSPEED_MIN"), Some("AIRSPEED_MAX")],
         rate_parameters: Some(["TECS_CLMB_MAX", "TECS_SINK_MAX"]),
         motion_parameters: None,
+        rotor_parameters: Some(["Q_WP_SPEED_UP", "Q_WP_SPEED_DN"]),
+        bank_parameter: Some("ROLL_LIMIT_DEG"),
         ..ARDUCOPTER.defaults
     },
     behaviour: Behaviour {

@@ -148,6 +148,10 @@ pub struct Defaults {
     /// The parameters that set climb, descent and acceleration, in this order: not of a wing, where
     /// they are limits.
     pub motion_parameters: Option<[&'static str; 3]>,
+    /// The parameters that set climb and descent on the rotors of a vehicle with a wing.
+    pub rotor_parameters: Option<[&'static str; 2]>,
+    /// The parameter of the greatest bank of a wing.
+    pub bank_parameter: Option<&'static str>,
     /// Climb, m/s.
     pub climb_mps: f64,
     /// Descent, m/s, positive.

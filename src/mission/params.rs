@@ -4,8 +4,6 @@
 //! name is that of the spec's `autopilot_version`; without one it is the older, and of lean angles
 //! and slopes both, and a vehicle knows one of them.
 
-use std::borrow::Cow;
-
 use super::item::{Item, Parameter, VehicleMission};
 use crate::autopilot::{
     Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, SLOW_LANDING_M, Version,
@@ -87,31 +85,6 @@ pub fn within_speeds_mps(mission: &VehicleMission, speed_mps: f64) -> f64 {
     speed_mps
         .min(held[1].unwrap_or(f64::INFINITY))
         .max(least_mps)
-}
-
-/// The vehicle as the parameters of its mission make it climb, descend and accelerate, where they
-/// say something else than the spec.
-#[must_use]
-pub fn as_set<'a>(vehicle: &'a Vehicle, mission: &VehicleMission) -> Cow<'a, Vehicle> {
-    let mut set = Cow::Borrowed(vehicle);
-    let Some(names) = mission.facts().defaults.motion_parameters else {
-        return set;
-    };
-    let planned = [vehicle.climb_mps, vehicle.descent_mps, vehicle.accel_mps2];
-    for (index, (name, planned)) in names.into_iter().zip(planned).enumerate() {
-        let held = mission.param_si(name).filter(|held| *held > 0.0);
-        // A float32 in centimetres is the planned value.
-        let Some(held) = held.filter(|held| (held - planned).abs() > 1e-4 * planned) else {
-            continue;
-        };
-        let set = set.to_mut();
-        *[
-            &mut set.climb_mps,
-            &mut set.descent_mps,
-            &mut set.accel_mps2,
-        ][index] = held;
-    }
-    set
 }
 
 /// The radius within which a copter accepts the place of a row (0 for home), metres: PX4's own of

@@ -99,7 +99,7 @@ pub enum Limit {
     Departure,
     /// Commanded speed.
     Speed,
-    /// Speed through the air that a copter needs, against the one that it is known to reach at the
+    /// Speed through the air that a copter needs, on its way and where it hovers, against the one that it is known to reach at the
     /// lean angle that its parameters allow.
     FlyableSpeed,
     /// Climb angle on the route.
@@ -118,7 +118,7 @@ pub enum Limit {
     LandingHeading,
     /// Slope of the glide of a plane.
     GlideAngle,
-    /// Radius of a loiter circle.
+    /// Radius of a circle of a wing: of the last one that of the spec, of all what it can turn.
     LoiterRadius,
     /// Whether the wind of the spec is the one that the model of a wing has.
     Wind,

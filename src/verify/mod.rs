@@ -22,7 +22,9 @@
 //! one ArduPilot leaves at 0 and PX4 at the vehicle's `depart_s`, at 0 if that has a window.
 //!
 //! **Lines.** A leg is straight between its two places in the tangent plane at the origin
-//! (at most `d L^2 / 8 R^2` from the geodesic: 2 cm for 20 km, 15 km from the origin).
+//! (at most `d L^2 / 8 R^2` from the geodesic, `d` from the origin: 2 cm for 20 km, 15 km from there). Where that and
+//! what the map of the autopilot bends a leg by (`L^2 tan(lat) / 8 R` of ArduPilot at the latitude of the leg, two
+//! thirds of the former around its takeoff of PX4) are more than 10 m together, it is judged wider by so much.
 //! Lengths and distances are those of the places on the ellipsoid: what is flown at a
 //! height is longer by its share of the earth's radius, 0.016 % at 1000 m. Altitude is
 //! linear in distance; to an item above ground, the height above ground is, from whatever
@@ -37,6 +39,8 @@
 //!
 //! - A leg's cruise speed is that of the last `DO_CHANGE_SPEED` before the item that it
 //!   leads to, else that of the parameters, else the spec's.
+//!   A copter is slower on a leg between altitudes that it would else climb or descend faster than `climb_mps` or
+//!   `descent_mps`, 0.02 m of its rise aside: so fast that it does not.
 //! - A corner with a change of course `phi` is flown as an arc that touches both legs. On a wing its
 //!   radius is `R = v^2 / (g sqrt(n^2 - 1))`, `v` the faster of the two legs'
 //!   speeds, `n` the load factor; it takes `R tan(phi / 2)` of each leg (`phi / 2` at
@@ -50,6 +54,12 @@
 //!   slows down with `accel_mps2`.
 //! - Turn fit is judged on every airframe with `R tan(phi / 2)` of both ends of a leg, `R` on a copter at
 //!   least `v^2 / accel_mps2`: what a spec allows, also where an autopilot slows down for more.
+//!
+//! **Parameters.** Those of the mission hold, whatever the spec says: of copters `climb_mps`, `descent_mps` and
+//! `accel_mps2` are `WPNAV_SPEED_UP`, `WPNAV_SPEED_DN` and `WPNAV_ACCEL`, or `MPC_Z_V_AUTO_UP`, `MPC_Z_V_AUTO_DN` and
+//! `MPC_ACC_HOR`. Of wings `TECS_CLMB_MAX` and `TECS_SINK_MAX`, or `FW_T_CLMB_MAX` and `FW_T_SINK_MAX`, and the load factor of
+//! `ROLL_LIMIT_DEG` or `FW_R_LIM`, where they are less; on the rotors of a VTOL `Q_WP_SPEED_UP` and `Q_WP_SPEED_DN`, or
+//! those of copters.
 //!
 //! **Corners of copters.** `r` is the acceptance radius: on ArduPilot `WPNAV_RADIUS`, on PX4 that of the
 //! waypoint (`param2`) or else `NAV_ACC_RAD`; of the parameters of the mission, else 2 m and 10 m. `v` is the
@@ -112,7 +122,8 @@
 //! towards the next place (`Plane::verify_loiter_heading`), a circle of 1.2 radii (or 0.75 turn radii further out than
 //! its own, if that is more), else one wider by two turn radii, as
 //! for who begins inside of its circle. To an altitude, all altitudes on the circle. In time the vehicle is on the
-//! circle for its turns or time, and as late as 1.25 orbits more take.
+//! circle for its turns or time, and as late as 1.25 orbits more take. A circle with a radius below that of a corner at its
+//! altitude and speed fails.
 //!
 //! **Payload.** Down from the altitude that it has, with a speed between `descent_mps` and that of a landing, to the ground
 //! or by param1 at most, and up again with `climb_mps`.
@@ -135,7 +146,8 @@
 //! the air `a` is greater by `(1 - 2.25577e-5 z)^-2.12794` (the standard atmosphere): on a leg at that
 //! of its middle, for the radius of a corner at that of the corner.
 //!
-//! **Wind.** A copter holds its ground speed in any wind. A wing with the airspeed `a` on a
+//! **Wind.** A copter holds its ground speed in any wind, and fails where its lean angle does not let it: on legs and
+//! circles with their speed less the wind, at rest with all of the wind. A wing with the airspeed `a` on a
 //! course that the wind `w` crosses at an angle `e` off its origin it makes `sqrt(a^2 - (w sin
 //! e)^2) - w cos e` over the ground, and what cannot make 1 m/s is not judged from there on. `R`
 //! is that of `a + w`. Along an arc the ground speed changes evenly from one leg's to the other's.
@@ -170,8 +182,7 @@
 //!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
 //! row, by 1 m at least on ArduCopter and by `MIS_TAKEOFF_ALT` on the rotors of PX4 (2.5 m); in the air it is a climb of ArduCopter where it is,
-//! if it leads up, and is not judged elsewhere. PX4 then goes on to the item's place where that is more than `tolerance_m` away,
-//! and rests. A landing flies to its place at the altitude that the vehicle has, as above, rests,
+//! if it leads up, and is not judged elsewhere. PX4 then goes on to the item's place, and rests. A landing flies to its place at the altitude that the vehicle has, as above, rests,
 //! and descends with `descent_mps`, from 10 m above the ground on with no more than 0.5
 //! m/s (ArduPilot) or 0.7 m/s (PX4). A return climbs to `return_amsl_m` unless it is
 //! above, flies straight to home, and lands. Without `return_amsl_m` it returns by the parameters of the mission, if they

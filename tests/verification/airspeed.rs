@@ -4,7 +4,7 @@
 use crate::support;
 use crate::support::missions;
 use missions::{GROUND_M, level};
-use sortie::mission::{Parameter, VehicleMission, command};
+use sortie::mission::{Item, Parameter, VehicleMission, command};
 use sortie::spec::*;
 use sortie::verify::{Limit, Margin, review};
 use support::{copter, empty_spec, place, world};
@@ -69,7 +69,8 @@ fn a_copter_is_held_against_what_its_lean_angle_allows() {
 fn a_wind_counts_on_each_leg_as_it_blows_there() {
     // From the west, with the wind and against it; from the north, across.
     for (from_deg, is_east, through_mps, most_over_ground) in [
-        (270.0_f64, true, 4.0, None),
+        // Faster than that it hovers in it.
+        (270.0_f64, true, 5.0, None),
         (270.0, false, 14.0, Some("4.5 at most")),
         (0.0, true, 9.0_f64.hypot(5.0), Some("8.0 at most")),
     ] {
@@ -87,6 +88,45 @@ fn a_wind_counts_on_each_leg_as_it_blows_there() {
         let named = most_over_ground.unwrap_or_default();
         assert!(found.note.ends_with(named), "{from_deg}: {found:?}");
     }
+}
+
+#[test]
+fn a_copter_must_hold_all_of_the_wind_where_it_hovers() {
+    // With the wind from behind it flies its legs at 3 m/s through the air.
+    let (mut spec, mission) = flown_at(9.0, true);
+    spec.wind = Some(Wind {
+        from_rad: 270_f64.to_radians(),
+        speed_mps: 12.0,
+    });
+    let found = airspeed(&spec, &mission).expect("judged");
+    assert!(!found.ok && (found.value - 12.0).abs() < 1e-9, "{found:?}");
+    assert!(found.note.contains("hover"), "{found:?}");
+    spec.vehicles[0].autopilot = Autopilot::Px4;
+    let mut px4 = mission.clone();
+    px4.autopilot = Autopilot::Px4;
+    let found = airspeed(&spec, &px4).expect("judged");
+    assert!(!found.ok, "{found:?}");
+}
+
+#[test]
+fn a_copter_is_held_against_the_wind_at_the_speed_of_its_circle() {
+    let (mut spec, mut mission) = flown_at(9.0, true);
+    spec.wind = Some(Wind {
+        from_rad: 270_f64.to_radians(),
+        speed_mps: 4.0,
+    });
+    // 10 m: 3.5 m/s, and not the 9 m/s of its legs.
+    let circle = Item {
+        params: [2.0, 0.0, 10.0, 0.0],
+        ..missions::waypoint(place(36.30, -84.25), GROUND_M + 80.0)
+    };
+    let circle = Item {
+        command: command::NAV_LOITER_TURNS,
+        ..circle
+    };
+    mission.items.insert(2, circle);
+    let found = airspeed(&spec, &mission).expect("judged");
+    assert!(found.ok && (found.value - 7.5).abs() < 0.2, "{found:?}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod support;
 
 mod airspeed;
 mod altitudes_and_endurance;
+mod bends;
 mod buffers;
 mod campaign;
 mod copter_corners;
@@ -15,6 +16,7 @@ mod lateness;
 mod obstacles;
 mod other_world;
 mod px4_heights;
+mod set_by_parameters;
 mod verify;
 mod verify_independent;
 mod verify_sampled;

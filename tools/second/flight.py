@@ -11,6 +11,7 @@ from .shapes import Arc, Height, Line, Motion, Point
 
 G = 9.80665
 SAME_M = 0.025
+RISE_M = 0.02  # two altitudes in whole centimetres
 SLOW_M = 10.0
 # Seconds early and late from the takeoff on.
 FROM_TAKEOFF = {
@@ -108,8 +109,8 @@ class Knot:
 class Flight:
     """One vehicle's flight, from its `.waypoints` file and its part of the spec."""
 
-    def __init__(self, vehicle, items, ground, tolerance, radius):
-        self.vehicle, self.ground, self.tolerance, self.radius = vehicle, ground, tolerance, radius
+    def __init__(self, vehicle, items, ground, radius):
+        self.vehicle, self.ground, self.radius = vehicle, ground, radius
         self.profile = Profile(vehicle["accel_mps2"])
         self.ardupilot = vehicle["autopilot"] == "ardupilot"
         self.motions, self.judged, self.follows = [], [], False
@@ -186,7 +187,7 @@ class Flight:
         self.knots = [self.home]
         self.late += self.slow_takeoff()
         self.lift(amsl)
-        if not self.ardupilot and distance(item["at"], self.home.at) > self.tolerance:
+        if not self.ardupilot and distance(item["at"], self.home.at) > SAME_M:
             self.append(Knot(item["at"], amsl, None, self.speed))
             self.stop()
 
@@ -258,6 +259,7 @@ class Flight:
         cruise = [knot.speed for knot in knots[1:]]
         if self.ardupilot and len(legs) > 1:
             cruise = [min(v, self.profile.within(length)) for v, length in zip(cruise, lengths)]
+        cruise = [min(v, self.climbing(a, b, length)) for v, a, b, length in zip(cruise, knots, knots[1:], lengths)]
         half, taken = self.corners(knots, legs, cruise)
         corner = [0.0] + [
             self.corner_speed(half[i], taken[i], min(cruise[i - 1 : i + 1]), knots[i].radius)
@@ -279,6 +281,13 @@ class Flight:
         # As it brakes for the stop already.
         self.motions[-1].late += STOP_LATE
         self.late += STOP_LATE
+
+    def climbing(self, a, b, length):
+        """The speed at which a leg is as steep as it climbs or descends."""
+        steep = abs(b.amsl - a.amsl) - RISE_M
+        if b.agl is not None or steep <= 0:
+            return math.inf
+        return self.vehicle["climb_mps" if b.amsl > a.amsl else "descent_mps"] * length / steep
 
     def count_on_sphere(self, a, b, motions):
         """What a leg makes it late or early by, as it counts its metres, from the beginning of the leg on: once it is ten minutes in the air."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from .circles import Circles, parts
 from .earth import A, E2, axes, distance, ecef, geodetic
-from .flight import DELAY, G, HOLD, LAND, RETURN, SPEED, STAY, STOP_LATE, TAKEOFF, TO_ALT, WAYPOINT, Flight, Knot
+from .flight import DELAY, G, HOLD, LAND, RETURN, SAME_M, SPEED, STAY, STOP_LATE, TAKEOFF, TO_ALT, WAYPOINT, Flight, Knot
 from .l1 import STEP_S, WAY_M, Law, air_ratio
 from .shapes import Arc, Height, Line
 
@@ -75,7 +75,9 @@ class WingFlight(Circles, Flight):
         self.wind = spec.get("wind")
         buffers = spec.get("buffer_m", {})
         self.min_agl = spec["area"]["min_agl_m"] + buffers.get("terrain", buffers.get("all", 0))
-        n = vehicle["max_load_factor"]
+        # A bank below the planned one makes wider turns.
+        bank = math.radians(params.get("ROLL_LIMIT_DEG", params.get("FW_R_LIM", 89.0)))
+        n = min(vehicle["max_load_factor"], 1 / math.cos(bank))
         self.lateral = G * math.sqrt(n * n - 1)
         self.fastest = self.most(vehicle["speed_mps"], spec["area"]["max_amsl_m"])
         self.turn_radius = self.fastest**2 / self.lateral
@@ -85,7 +87,7 @@ class WingFlight(Circles, Flight):
         self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
         self.law = Law(params, n) if ardupilot else None
         self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
-        super().__init__(vehicle, items, ground, spec["mission"]["tolerance_m"], 0.0)
+        super().__init__(vehicle, items, ground, 0.0)
 
     def most(self, speed, amsl):
         return speed * air_ratio(amsl) + (self.wind["speed_mps"] if self.wind else 0.0)
@@ -229,7 +231,7 @@ class WingFlight(Circles, Flight):
         ahead = 0.0 if self.ardupilot else distance(item["at"], self.home.at)
         if ahead < LEAST_AHEAD:
             self.region(amsl)
-        if ahead > self.tolerance:
+        if ahead > SAME_M:
             self.append(WingKnot(item["at"], amsl, None, self.speed))
 
     def descend(self):

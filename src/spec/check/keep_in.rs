@@ -5,7 +5,7 @@ use geo::{Coord, LineString, MultiPolygon, Polygon, unary_union};
 
 use super::super::{Area, Zone};
 use super::Checker;
-use crate::geodesy::{LatLon, LocalFrame};
+use crate::geodesy::{LatLon, LocalFrame, in_plane_m};
 
 /// How far the closed ground around zones to stay in reaches beyond the area, degrees.
 const BEYOND_DEG: f64 = 0.05;
@@ -73,7 +73,7 @@ fn polygon(zone: &Zone) -> Polygon<f64> {
     };
     let outer = match zone.circle {
         // The corners on the circle: nothing outside of it may count as inside.
-        Some((center, radius_m)) => ring(&LocalFrame::new(center).inscribed(radius_m)),
+        Some((center, radius_m)) => ring(&LocalFrame::new(center).inscribed(in_plane_m(radius_m))),
         None => ring(&zone.polygon),
     };
     // A union takes a hole for one by its direction.
@@ -94,4 +94,31 @@ fn corners(ring: &LineString<f64>) -> Vec<LatLon> {
         corners.pop();
     }
     corners
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LatLon, Zone, polygon};
+    use crate::geodesy::EARTH_RADIUS_M;
+
+    #[test]
+    fn a_wide_circle_to_stay_in_reaches_no_further_on_the_earth() {
+        let center = LatLon {
+            lat_deg: 47.1,
+            lon_deg: 8.5,
+        };
+        let zone = Zone {
+            circle: Some((center, 250_000.0)),
+            ..Zone::default()
+        };
+        for corner in polygon(&zone).exterior().coords() {
+            let corner = LatLon {
+                lat_deg: corner.y,
+                lon_deg: corner.x,
+            };
+            let diameter_m = 2.0 * EARTH_RADIUS_M;
+            let away_m = diameter_m * (center.chord_m(corner) / diameter_m).asin();
+            assert!((249_998.0..250_000.5).contains(&away_m), "{away_m}");
+        }
+    }
 }

@@ -1,45 +1,114 @@
-//! The map that ArduPilot steers by.
+//! The maps that autopilots steer by, and the plane in which legs are judged.
 //!
-//! It scales longitudes by the latitude halfway to its origin. Its straight lines leave the geodesic by at most
-//! [`bend_m`]; PX4's map preserves azimuths and has no such bend.
+//! ArduPilot scales longitudes by the latitude halfway to its origin: its straight lines leave the geodesic by at most
+//! [`bend_m`], of the latitude where the leg is. PX4's map preserves azimuths, and straight lines of it leave the geodesic
+//! only away from its origin, where it took off. Straight lines of the plane leave it by [`frame_bend_m`].
 
 use std::collections::BTreeMap;
 
 use super::flight::Flight;
-use crate::geodesy::{EastNorth, SMALL_BEND_M, bend_m};
+use crate::geodesy::{EastNorth, SMALL_BEND_M, bend_m, frame_bend_m};
 use crate::spec::{Autopilot, Vehicle};
 use crate::world::World;
 
-/// The greatest distance from where the first chord of each row begins to where another of it ends, metres.
-fn legs_m(flight: &Flight) -> BTreeMap<usize, f64> {
-    let mut legs: BTreeMap<usize, (EastNorth, f64)> = BTreeMap::new();
-    for chord in &flight.chords {
-        let (begin, long_m) = legs.entry(chord.row).or_insert((chord.from.at, 0.0));
-        *long_m = long_m.max(begin.distance_m(chord.to.at));
-    }
-    let legs = legs.into_iter();
-    legs.map(|(row, (_, long_m))| (row, long_m)).collect()
+/// An azimuthal equidistant map bends by this share of what a tangent plane does (`x - x^3 / 3` and
+/// `x - x^3 / 2` against `x` of one that keeps geodesics straight).
+const EQUIDISTANT_SHARE: f64 = 2.0 / 3.0;
+
+/// The longest straight way of a row: from where its first chord begins.
+#[derive(Clone, Copy)]
+struct Leg {
+    from: EastNorth,
+    to: EastNorth,
 }
 
-/// The longest leg, and by how much it bends, metres.
-pub(crate) fn longest(vehicle: &Vehicle, flight: &Flight, world: &World) -> (f64, f64) {
-    let longest_m = match vehicle.autopilot {
-        Autopilot::ArduPilot => legs_m(flight).into_values().fold(0.0, f64::max),
-        Autopilot::Px4 => 0.0,
+impl Leg {
+    fn long_m(&self) -> f64 {
+        self.from.distance_m(self.to)
+    }
+
+    /// How far the line through it passes from a place, metres.
+    fn past_m(&self, place: EastNorth) -> f64 {
+        let along = [
+            self.to.east_m - self.from.east_m,
+            self.to.north_m - self.from.north_m,
+        ];
+        let away = [
+            place.east_m - self.from.east_m,
+            place.north_m - self.from.north_m,
+        ];
+        let long_m = self.long_m();
+        match long_m > 0.0 {
+            true => (along[0] * away[1] - along[1] * away[0]).abs() / long_m,
+            false => 0.0,
+        }
+    }
+
+    /// By how much ArduPilot's map bends it, metres: by the latitude of its end that is nearer to a pole.
+    fn map_bend_m(&self, world: &World) -> f64 {
+        let lat_deg = |at: EastNorth| world.frame.from_plan(at).lat_deg.abs();
+        bend_m(self.long_m(), lat_deg(self.from).max(lat_deg(self.to)))
+    }
+
+    /// By how much what is flown and what is judged may be apart, metres.
+    fn bend_m(&self, vehicle: &Vehicle, world: &World, took_off: EastNorth) -> f64 {
+        let origin = world.frame.to_plan(world.frame.origin());
+        let of_plane_m = frame_bend_m(self.long_m(), self.past_m(origin));
+        of_plane_m
+            + match vehicle.autopilot {
+                Autopilot::ArduPilot => self.map_bend_m(world),
+                Autopilot::Px4 => {
+                    EQUIDISTANT_SHARE * frame_bend_m(self.long_m(), self.past_m(took_off))
+                }
+            }
+    }
+}
+
+/// The leg of each row.
+fn legs(flight: &Flight) -> BTreeMap<usize, Leg> {
+    let mut legs: BTreeMap<usize, Leg> = BTreeMap::new();
+    for chord in &flight.chords {
+        let leg = legs.entry(chord.row).or_insert(Leg {
+            from: chord.from.at,
+            to: chord.from.at,
+        });
+        if leg.from.distance_m(chord.to.at) > leg.long_m() {
+            leg.to = chord.to.at;
+        }
+    }
+    legs
+}
+
+/// The leg that the map of ArduPilot bends most: how long it is, and by how much it bends, metres.
+pub(crate) fn most_bent(vehicle: &Vehicle, flight: &Flight, world: &World) -> (f64, f64) {
+    let legs = match vehicle.autopilot {
+        Autopilot::ArduPilot => legs(flight),
+        Autopilot::Px4 => BTreeMap::new(),
     };
-    (longest_m, bend_m(longest_m, world.frame.origin().lat_deg))
+    let bends = legs
+        .into_values()
+        .map(|leg| (leg.long_m(), leg.map_bend_m(world)));
+    bends.fold(
+        (0.0, 0.0),
+        |most, leg| if leg.1 > most.1 { leg } else { most },
+    )
 }
 
 /// Counts bends that are not small: a vehicle may be anywhere between its leg and the line on its map.
 pub(super) fn widen(vehicle: &Vehicle, flight: &mut Flight, world: &World) {
-    if longest(vehicle, flight, world).1 <= SMALL_BEND_M {
+    let Some(took_off) = flight.chords.first().map(|chord| chord.from.at) else {
+        return;
+    };
+    let legs = legs(flight).into_iter();
+    let bends_m: BTreeMap<usize, f64> = legs
+        .map(|(row, leg)| (row, leg.bend_m(vehicle, world, took_off)))
+        .filter(|(_, by_m)| *by_m > SMALL_BEND_M)
+        .collect();
+    if bends_m.is_empty() {
         return;
     }
-    let legs_m = legs_m(flight);
     for chord in &mut flight.chords {
-        let long_m = legs_m.get(&chord.row).copied().unwrap_or_default();
-        let by_m = bend_m(long_m, world.frame.origin().lat_deg);
-        if by_m > SMALL_BEND_M {
+        if let Some(by_m) = bends_m.get(&chord.row) {
             chord.bow_m += by_m;
             chord.wide_m += by_m;
         }

@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 use crate::autopilot::Cornering;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{
-    Descent, Item, VehicleMission, acceptance_m, as_set, corner_accel_mps2, cruise_speed_mps,
-    frame, jerk_mps3, within_speeds_mps,
+    Descent, Item, VehicleMission, acceptance_m, as_set, as_set_on_rotors, corner_accel_mps2,
+    cruise_speed_mps, frame, jerk_mps3, within_speeds_mps,
 };
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 use crate::world::{Departure, LowPlace, Stations, World};
@@ -43,9 +43,11 @@ pub(crate) fn fly(
     home: PlanPoint,
 ) -> Flight {
     let orders = decode::decode(mission, home.amsl);
+    let rotors = &*as_set_on_rotors(vehicle, mission);
     let vehicle = &*as_set(vehicle, mission);
     let mut pilot = Pilot {
         vehicle,
+        rotors,
         world,
         trajectory: TrajectoryBuilder::new(world),
         stations,
@@ -57,7 +59,7 @@ pub(crate) fn fly(
         ended: false,
         phase: Phase::Join,
         speed_mps: cruise_speed_mps(mission),
-        descent: Descent::of(vehicle, mission),
+        descent: Descent::of(rotors, mission),
         knots: Vec::new(),
         moving_mps: 0.0,
         at_once_m: altitude_lag::threshold_m(mission),
@@ -94,6 +96,8 @@ pub(crate) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
 
 pub(crate) struct Pilot<'a> {
     pub(crate) vehicle: &'a Vehicle,
+    /// The vehicle on its rotors.
+    pub(crate) rotors: &'a Vehicle,
     pub(crate) world: &'a World,
     pub(crate) trajectory: TrajectoryBuilder<'a>,
     pub(crate) stations: &'a Stations,

@@ -70,6 +70,24 @@ pub(crate) struct Circle {
     pub(crate) chord: usize,
 }
 
+/// A circle that a wing flies, once or more often.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Round {
+    /// Index of its first chord.
+    pub(crate) chord: usize,
+    pub(crate) radius_m: f64,
+    /// The least that it can turn at its speed and altitude, metres.
+    pub(crate) least_m: f64,
+}
+
+/// A circle on rotors.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OnRotors {
+    pub(crate) chords: Range<usize>,
+    /// Its own speed over the ground, m/s.
+    pub(crate) speed_mps: f64,
+}
+
 /// Where a plane may have the height of its takeoff.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EarlyTop {
@@ -149,6 +167,9 @@ pub(crate) struct Flight {
     /// How far from its place a descent on rotors may end, driven off by the wind, metres.
     pub(crate) landing_drift_m: f64,
     pub(crate) circle: Option<Circle>,
+    /// All circles of a wing, that one too.
+    pub(crate) rounds: Vec<Round>,
+    pub(crate) on_rotors: Vec<OnRotors>,
     /// From where on the flight is not known.
     pub(crate) unknown: Option<Unknown>,
     /// The item after which none is flown, if others follow it.

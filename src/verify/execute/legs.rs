@@ -9,7 +9,11 @@ use crate::spec::Vehicle;
 
 use super::decode::Unknown;
 use crate::verify::measure::segment::Phase;
+pub(crate) use corners::turn_radius_at_m;
 use corners::{Corner, arc, corners, fit};
+
+/// Two altitudes in whole centimetres make a rise uncertain by this, metres.
+pub(crate) const RISE_M: f64 = 0.02;
 
 /// A point of the flight where legs meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +82,7 @@ pub(crate) struct Run {
     pub(crate) pieces: Vec<Piece>,
     /// One for each leg with a corner.
     pub(crate) rooms: Vec<Room>,
-    /// Highest speed on each leg, m/s.
+    /// Highest speed on each leg, m/s, however steep it is.
     pub(crate) peak_mps: Vec<f64>,
 }
 
@@ -195,7 +199,8 @@ pub(crate) fn run(
         .windows(2)
         .map(|pair| pair[0].at.distance_m(pair[1].at))
         .collect();
-    let grounds_mps = cruise_speeds(grounds_mps, &legs, law);
+    let commanded_mps = cruise_speeds(grounds_mps, &legs, law);
+    let grounds_mps = as_it_climbs(&commanded_mps, knots, vehicle);
     let mut corners = corners(knots, vehicle, law, &grounds_mps);
     let rooms = fit(&mut corners, &legs);
     let passing = passing_speeds(&grounds_mps, &legs, &corners, vehicle, ends_mps);
@@ -220,8 +225,12 @@ pub(crate) fn run(
             cruise_mps: grounds_mps[leg],
             accel_mps2: vehicle.accel_mps2,
         };
-        let peak_mps = line.cruise(stretch, &pace, &mut found.pieces);
-        found.peak_mps.push(peak_mps);
+        line.cruise(stretch, &pace, &mut found.pieces);
+        let commanded = Pace {
+            cruise_mps: commanded_mps[leg],
+            ..pace
+        };
+        found.peak_mps.push(commanded.peak_mps(stretch));
         if let Some(after) = knots.get(leg + 2) {
             let share = (1.0 - after_m / length_m, after_m / legs[leg + 1]);
             let corner = (knots[leg].at, knots[leg + 1].at, after.at);
@@ -249,6 +258,30 @@ fn cruise_speeds(grounds_mps: &[f64], legs: &[f64], law: Option<Cornering>) -> V
             .collect(),
         _ => grounds_mps.to_vec(),
     }
+}
+
+/// The highest speed on each leg of a copter that climbs and descends no faster than it can: on a
+/// steeper one it is slower along all of it (`AC_WPNav`, `SCurve::calculate_track`; PX4,
+/// `PositionSmoothing::_generateVelocitySetpoint`), m/s.
+fn as_it_climbs(commanded_mps: &[f64], knots: &[Knot], vehicle: &Vehicle) -> Vec<f64> {
+    if vehicle.wing.is_some() {
+        return commanded_mps.to_vec();
+    }
+    let slowed = |(pair, &speed_mps): (&[Knot], &f64)| {
+        let rise_m = pair[1].amsl_m - pair[0].amsl_m;
+        let rate_mps = match rise_m > 0.0 {
+            true => vehicle.climb_mps,
+            false => vehicle.descent_mps,
+        };
+        let run_m = pair[0].at.distance_m(pair[1].at);
+        // Over ground that is followed each chord is judged for itself.
+        let steep_m = match pair[1].agl_m {
+            Some(_) => 0.0,
+            None => (rise_m.abs() - RISE_M).max(0.0),
+        };
+        speed_mps.min(rate_mps * run_m / steep_m)
+    };
+    knots.windows(2).zip(commanded_mps).map(slowed).collect()
 }
 
 /// The speeds with which each corner is entered and left: no faster than its legs, and what
@@ -315,22 +348,28 @@ struct Pace {
     accel_mps2: f64,
 }
 
+impl Pace {
+    /// The highest speed from one distance along the leg to another, m/s.
+    fn peak_mps(&self, (start_m, end_m): (f64, f64)) -> f64 {
+        let squares = 0.5 * (self.from_mps * self.from_mps + self.to_mps * self.to_mps);
+        self.cruise_mps
+            .min((self.accel_mps2 * (end_m - start_m) + squares).sqrt())
+            .max(self.from_mps)
+            .max(self.to_mps)
+    }
+}
+
 impl Line {
     /// Pieces from one distance along the leg to another: speed up, cruise, slow
-    /// down, as far as there is room. Returns the highest speed, m/s.
-    fn cruise(&self, (start_m, end_m): (f64, f64), pace: &Pace, pieces: &mut Vec<Piece>) -> f64 {
+    /// down, as far as there is room.
+    fn cruise(&self, (start_m, end_m): (f64, f64), pace: &Pace, pieces: &mut Vec<Piece>) {
         let &Pace {
             from_mps,
             to_mps,
-            cruise_mps,
             accel_mps2,
+            ..
         } = pace;
-        let length_m = end_m - start_m;
-        let squares = 0.5 * (from_mps * from_mps + to_mps * to_mps);
-        let peak_mps = cruise_mps
-            .min((accel_mps2 * length_m + squares).sqrt())
-            .max(from_mps)
-            .max(to_mps);
+        let peak_mps = pace.peak_mps((start_m, end_m));
         let ramp_m = |speed: f64| (peak_mps * peak_mps - speed * speed) / (2.0 * accel_mps2);
         let up_m = (start_m + ramp_m(from_mps)).min(end_m);
         let down_m = (end_m - ramp_m(to_mps)).max(up_m);
@@ -354,7 +393,6 @@ impl Line {
         cut(start_m, up_m, (from_mps, peak_mps));
         cut(up_m, down_m, (peak_mps, peak_mps));
         cut(down_m, end_m, (peak_mps, to_mps));
-        peak_mps
     }
 }
 

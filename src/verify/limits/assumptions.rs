@@ -17,8 +17,8 @@ pub(crate) fn bends<'a>(
     flown: impl Iterator<Item = (&'a Vehicle, &'a Flight)>,
     world: &World,
 ) -> Option<String> {
-    let (longest_m, bend_m) = flown
-        .map(|(vehicle, flight)| bent_map::longest(vehicle, flight, world))
+    let (long_m, bend_m) = flown
+        .map(|(vehicle, flight)| bent_map::most_bent(vehicle, flight, world))
         .fold(
             (0.0, 0.0),
             |most: (f64, f64), of| if of.1 > most.1 { of } else { most },
@@ -30,7 +30,7 @@ pub(crate) fn bends<'a>(
         };
         format!(
             "legs are straight on the earth: the map that ArduPilot steers by bends the longest, {:.1} km, by up to {bend_m:.1} m{counted}",
-            longest_m / 1000.0
+            long_m / 1000.0
         )
     })
 }

@@ -11,35 +11,61 @@ use crate::verify::{Limit, Margin};
 const ENCODING_MPS: f64 = 0.05;
 /// Shorter pieces have no course, metres.
 const SHORTEST_M: f64 = 0.5;
+/// The same of a circle: that of 1 m is cut into pieces of 0.4 m.
+const SHORTEST_OF_ROUND_M: f64 = 0.01;
+
+/// A motion slower than this is a hover, m/s.
+const HOVER_MPS: f64 = 0.1;
+
+/// Whether a copter stays over a place, or rises or descends there.
+fn hovers(chord: &Chord) -> bool {
+    let lasts_s = chord.to_s - chord.from_s;
+    let run_m = chord.from.at.distance_m(chord.to.at);
+    chord.flown && lasts_s > 0.0 && run_m <= HOVER_MPS * lasts_s
+}
 
 impl Contract<'_> {
-    /// The greatest speed through the air of all legs: the commanded ground speed, less the wind.
+    /// The greatest speed through the air: on legs the commanded ground speed less the wind, on circles
+    /// their own less the wind, and all of the wind where it hovers, rises or descends.
     /// Specs of version 1 have it as an assumption.
     pub(crate) fn flyable_speed(&self) -> Option<Margin> {
         if self.spec.version < 2 || self.vehicle.airframe != Airframe::Copter {
             return None;
         }
         let bound_mps = self.vehicle.flyable_mps(lean_limit_deg(self.mission))?;
-        let chords = &self.flight.chords;
+        let wind_mps = self.spec.wind.map_or(0.0, |wind| wind.speed_mps);
         let (mut worst, mut over_ground_mps) = (Worst::default(), f64::INFINITY);
-        let cruises = self.flight.cruises.iter();
-        let ends = cruises.clone().skip(1).map(|next| next.chord);
-        for (cruise, end) in cruises.zip(ends.chain([chords.len()])) {
-            let speed_mps = cruise.speed_mps.unwrap_or(self.vehicle.speed_mps);
-            for chord in chords.get(cruise.chord..end).unwrap_or_default() {
-                let Some([along_mps, across_mps]) = self.wind_on(chord) else {
-                    continue;
-                };
-                let through_mps = (speed_mps - along_mps).hypot(across_mps);
-                let forward_mps = (bound_mps.powi(2) - across_mps.powi(2)).max(0.0).sqrt();
-                over_ground_mps = over_ground_mps.min((along_mps + forward_mps).max(0.0));
+        let mut cruises = self.flight.cruises.iter().peekable();
+        let mut speed_mps = self.vehicle.speed_mps;
+        for (index, chord) in self.flight.chords.iter().enumerate() {
+            while let Some(cruise) = cruises.next_if(|cruise| cruise.chord <= index) {
+                speed_mps = cruise.speed_mps.unwrap_or(self.vehicle.speed_mps);
+            }
+            let mut offer = |through_mps: f64| {
                 let is_same = (through_mps - bound_mps).abs() <= ENCODING_MPS;
                 let value = if is_same { bound_mps } else { through_mps };
                 worst.at_most(value, bound_mps, || chord.moment(&self.world.frame, 0.0));
+            };
+            if hovers(chord) {
+                offer(wind_mps);
             }
+            let mut rounds = self.flight.on_rotors.iter();
+            let round = rounds.find(|round| round.chords.contains(&index));
+            let (flown_mps, shortest_m) = match round {
+                Some(round) => (round.speed_mps, SHORTEST_OF_ROUND_M),
+                None => (speed_mps, SHORTEST_M),
+            };
+            let Some([along_mps, across_mps]) = self.wind_on(chord, shortest_m) else {
+                continue;
+            };
+            offer((flown_mps - along_mps).hypot(across_mps));
+            let forward_mps = (bound_mps.powi(2) - across_mps.powi(2)).max(0.0).sqrt();
+            over_ground_mps = over_ground_mps.min((along_mps + forward_mps).max(0.0));
         }
         let mut margin = worst.margin(self.id(), Limit::FlyableSpeed, "m/s")?;
-        if !margin.ok {
+        if !margin.ok && wind_mps > bound_mps + ENCODING_MPS {
+            margin.note = "through the air; it cannot hover in this wind".to_owned();
+        } else if !margin.ok {
             // Down to what can be written with one decimal.
             let most_mps = (10.0 * over_ground_mps).floor() / 10.0;
             let wind = self.spec.wind.map_or("", |_| "in this wind ");
@@ -49,10 +75,10 @@ impl Contract<'_> {
     }
 
     /// The wind along a piece of a leg and across it, m/s.
-    fn wind_on(&self, chord: &Chord) -> Option<[f64; 2]> {
+    fn wind_on(&self, chord: &Chord, shortest_m: f64) -> Option<[f64; 2]> {
         let (from, to) = (chord.from.at, chord.to.at);
         let length_m = from.distance_m(to);
-        if length_m < SHORTEST_M {
+        if length_m < shortest_m {
             return None;
         }
         let ahead = [

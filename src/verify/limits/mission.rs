@@ -12,7 +12,7 @@ pub(crate) mod tasks;
 
 use crate::autopilot::{ParameterRow, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};
+use crate::mission::{self, AcceptanceProblem, List, VehicleMission, as_set, command};
 use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
@@ -20,6 +20,7 @@ use crate::world::{Stations, World};
 use super::fence::Fence;
 use crate::verify::execute::executor::is_launched;
 use crate::verify::execute::flight::{End, Flight, Last, Slope};
+use crate::verify::execute::legs::RISE_M;
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment, Requirement};
@@ -28,8 +29,6 @@ use crate::verify::{Limit, Margin, Moment, Requirement};
 const SPEED_MPS: f64 = 0.1;
 /// An encoded departure may differ from the planned one by this, s.
 const DEPARTURE_S: f64 = 0.5;
-/// Two altitudes in whole centimetres make a rise uncertain by this, metres.
-const RISE_M: f64 = 0.02;
 
 /// One vehicle's side of the contract.
 pub(crate) struct Contract<'a> {
@@ -314,6 +313,7 @@ impl Contract<'_> {
         let mut rates = [Worst::default(), Worst::default()];
         let is_airborne = self.stations.departure.is_airborne();
         let begun = self.flight.chords.first().filter(|_| is_airborne);
+        let set = as_set(self.vehicle, self.mission);
         for slope in &self.flight.slopes {
             let Some(chord) = self.flight.chords.get(slope.chord) else {
                 continue;
@@ -331,7 +331,7 @@ impl Contract<'_> {
             }
             if slope.run_m > 0.0 {
                 let rate_mps = rise_m / slope.run_m * slope.speed_mps;
-                let limit_mps = [self.vehicle.climb_mps, self.vehicle.descent_mps][way];
+                let limit_mps = [set.climb_mps, set.descent_mps][way];
                 rates[way].at_most(rate_mps, limit_mps, at);
             }
         }

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::mission::Contract;
+use crate::verify::measure::segment::Chord;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
 
@@ -57,14 +58,30 @@ impl Contract<'_> {
             glide.at_most(glide_rad.to_degrees(), limit_deg, || touchdown);
             margins.extend(glide.margin(self.id(), Limit::GlideAngle, "deg"));
         }
-        if let Some(circle) = flight.circle {
-            let at = flight.chords.get(circle.chord).unwrap_or(last);
-            let mut radius = Worst::default();
-            radius.at_least(circle.radius_m, wing.loiter_radius_m, || {
-                at.moment(frame, 0.0)
-            });
-            margins.extend(radius.margin(self.id(), Limit::LoiterRadius, "m"));
-        }
+        margins.extend(self.circles(wing.loiter_radius_m, last));
         margins
+    }
+
+    /// The circles: none tighter than the vehicle turns at its speed, and the last no tighter than planned.
+    fn circles(&self, planned_m: f64, last: &Chord) -> Option<Margin> {
+        let (flight, frame) = (self.flight, &self.world.frame);
+        let at = |chord: usize| flight.chords.get(chord).unwrap_or(last).moment(frame, 0.0);
+        let mut radius = Worst::default();
+        if let Some(circle) = flight.circle {
+            radius.at_least(circle.radius_m, planned_m, || at(circle.chord));
+        }
+        let mut is_too_tight = false;
+        for round in &flight.rounds {
+            is_too_tight |= round.radius_m < round.least_m;
+            radius.at_least(round.radius_m, round.least_m, || at(round.chord));
+        }
+        let margin = radius.margin(self.id(), Limit::LoiterRadius, "m")?;
+        let note = match is_too_tight {
+            true if !margin.ok => {
+                "it cannot turn so tightly at its speed and greatest bank".to_owned()
+            }
+            _ => margin.note,
+        };
+        Some(Margin { note, ..margin })
     }
 }

@@ -5,7 +5,7 @@
 //! straight line of a tangent plane by 9 m). Distances are measured with the
 //! scale of the latitude where the flight is.
 
-use crate::geodesy::{EastNorth, LatLon, LocalFrame};
+use crate::geodesy::{EastNorth, LatLon, LocalFrame, on_earth_m};
 use crate::spec::Zone;
 
 use super::segment::{Chord, Stretch};
@@ -165,7 +165,8 @@ impl Cylinder {
                 (east_m.hypot(north_m) - self.radius_m, w)
             }
             Keep::Inside => {
-                let (a, b) = (from.0.hypot(from.1), to.0.hypot(to.1));
+                // Places of the tangent plane are nearer than they are on the earth.
+                let [a, b] = [from, to].map(|(east_m, north_m)| on_earth_m(east_m.hypot(north_m)));
                 let (distance_m, w) = if a >= b { (a, 0.0) } else { (b, 1.0) };
                 (self.radius_m - distance_m, w)
             }
@@ -385,7 +386,7 @@ fn nearest(point: Flat, from: Flat, to: Flat) -> (Flat, f64) {
 mod tests {
     use proptest::prelude::*;
 
-    use super::{Keep, LatLon, Outline, Stretch, StretchBox};
+    use super::{Cylinder, Keep, LatLon, Outline, Stretch, StretchBox};
 
     fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
         LatLon { lat_deg, lon_deg }
@@ -472,6 +473,20 @@ mod tests {
             let bound_m = outline.bound_m(&StretchBox::around(&stretch));
             prop_assert!(margin_m < 0.0 && bound_m <= 0.0 || bound_m <= margin_m, "{bound_m} of {margin_m}");
         }
+    }
+
+    #[test]
+    fn a_place_outside_of_a_wide_circle_is_not_inside_of_it() {
+        // 250,040 m along a meridian, which are 249,976 m in the tangent plane of the middle.
+        let circle = Cylinder::new(place(47.1, 8.5), 250_000.0);
+        let away = place(49.348_668_9, 8.5);
+        let stretch = Stretch {
+            u: (0.0, 1.0),
+            from: away,
+            to: away,
+        };
+        let (margin_m, _) = circle.margin_m(&stretch, Keep::Inside);
+        assert!((-45.0..-38.0).contains(&margin_m), "{margin_m}");
     }
 
     #[test]

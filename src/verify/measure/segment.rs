@@ -161,9 +161,18 @@ pub(crate) struct Stretch {
 impl Stretch {
     /// The place at a fraction of the stretch.
     pub(crate) fn place(&self, w: f64) -> LatLon {
+        let east_deg = self.to.lon_deg - self.from.lon_deg;
+        let lon_deg = match east_deg.abs() > 180.0 {
+            // The short way round, across the date line.
+            true => {
+                let lon_deg = self.from.lon_deg + (east_deg - 360.0_f64.copysign(east_deg)) * w;
+                (lon_deg + 180.0).rem_euclid(360.0) - 180.0
+            }
+            false => self.from.lon_deg + east_deg * w,
+        };
         LatLon {
             lat_deg: self.from.lat_deg + (self.to.lat_deg - self.from.lat_deg) * w,
-            lon_deg: self.from.lon_deg + (self.to.lon_deg - self.from.lon_deg) * w,
+            lon_deg,
         }
     }
 
@@ -216,4 +225,31 @@ pub(crate) fn stretches(
         last = (u, place);
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LatLon, Stretch};
+
+    #[test]
+    fn a_place_on_a_stretch_across_the_date_line_is_between_its_ends() {
+        let at = |lon_deg: f64| LatLon {
+            lat_deg: 10.0,
+            lon_deg,
+        };
+        for (from_deg, to_deg, share, lon_deg) in [
+            (179.99, -179.99, 0.25, 179.995),
+            (179.99, -179.99, 0.75, -179.995),
+            (-179.99, 179.99, 0.25, -179.995),
+            (99.0, 101.0, 0.5, 100.0),
+        ] {
+            let stretch = Stretch {
+                u: (0.0, 1.0),
+                from: at(from_deg),
+                to: at(to_deg),
+            };
+            let found = stretch.place(share);
+            assert!((found.lon_deg - lon_deg).abs() < 1e-9, "{found:?}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //! where the leg is, and a copter is slower than commanded.
 
 use crate::cli::args::Limits;
-use crate::mission::VehicleMission;
+use crate::mission::{VehicleMission, rate_parameters};
 use crate::spec::MissionSpec;
 use crate::verify::{Limit, Margin, Review, VerifiedSegment, verified_trajectories};
 use crate::world::World;
@@ -26,9 +26,7 @@ struct Rates {
 
 impl Rates {
     fn of(vehicle: &str, mission: &VehicleMission) -> Option<Self> {
-        let defaults = mission.facts().defaults;
-        let of_copter = || defaults.motion_parameters.map(|[up, down, _]| [up, down]);
-        let [climb, descent] = defaults.rate_parameters.or_else(of_copter)?;
+        let [climb, descent] = rate_parameters(mission)?;
         let mps = |name: &str| mission.param_or_default_si(name);
         let (climb_mps, descent_mps) = (mps(climb)?, mps(descent)?);
         Some(Self {

@@ -12,6 +12,7 @@ use crate::geodesy::{EastNorth, LatLon};
 use crate::mission::VehicleMission;
 use crate::path::stop_late_s;
 use crate::verify::execute::decode::Unknown;
+use crate::verify::execute::flight::OnRotors;
 use crate::verify::execute::item::{Circling, Height, Until};
 use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
@@ -165,6 +166,10 @@ impl Pilot<'_> {
         for chord in &mut self.trajectory.chords[first..] {
             chord.wide_m = chord.wide_m.max(aside_m);
         }
+        self.flight.on_rotors.push(OnRotors {
+            chords: first..self.trajectory.chords.len(),
+            speed_mps: orbit.speed_mps,
+        });
         let at = if turns > 0.0 { rest } else { knot.at };
         self.knots = vec![self.knot(knot.row, at, self.amsl_at(&knot, at)?, knot.agl_m)];
         self.moving_mps = 0.0;

@@ -7,7 +7,7 @@ use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::item::Height;
 use crate::verify::measure::segment::{Column, Phase};
 
-use super::{Pilot, is_launched};
+use super::{Pilot, SAME_PLACE_M, is_launched};
 
 /// Default of PX4's `MIS_TAKEOFF_ALT`, metres.
 const LEAST_TAKEOFF_M: f64 = 2.5;
@@ -82,10 +82,10 @@ impl Pilot<'_> {
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
         // A slower climb is late on its way up already.
-        self.trajectory.late_s += slow_takeoff_s(mission, self.vehicle.climb_mps);
-        self.lift(row, amsl_m, self.vehicle.climb_mps, Some(Column::Ground));
+        self.trajectory.late_s += slow_takeoff_s(mission, self.rotors.climb_mps);
+        self.lift(row, amsl_m, self.rotors.climb_mps, Some(Column::Ground));
         let aside = at.map(|at| self.reach(row, at)).transpose()?;
-        let aside = aside.filter(|at| at.distance_m(home.at) > self.tolerance_m);
+        let aside = aside.filter(|at| at.distance_m(home.at) > SAME_PLACE_M);
         if self.vehicle.airframe == Airframe::Vtol {
             self.transition(row, aside, amsl_m)?;
         } else if let Some(at) = aside {

@@ -23,7 +23,7 @@ pub(super) struct Corner {
 
 /// The turn radius at a commanded speed and an altitude, metres: it grows with the square of
 /// the greatest speed over the ground.
-fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64, at: Amsl) -> f64 {
+pub(crate) fn turn_radius_at_m(vehicle: &Vehicle, speed_mps: f64, at: Amsl) -> f64 {
     let limits = VehicleLimits::of(vehicle);
     let ratio = vehicle.fastest_at_mps(speed_mps, at) / limits.fastest_mps;
     limits.turn_radius_m * ratio * ratio
@@ -78,7 +78,7 @@ pub(super) fn corners(
         let half_rad = (0.5 * turn_rad.abs()).min(89.9_f64.to_radians());
         let speed_mps = trio[1].speed_mps.max(trio[2].speed_mps);
         let at = Amsl(trio[1].amsl_m);
-        let required_m = turn_radius_m(vehicle, speed_mps, at) * half_rad.tan();
+        let required_m = turn_radius_at_m(vehicle, speed_mps, at) * half_rad.tan();
         let turn = Turn {
             angle_rad: turn_rad.abs(),
             speed_mps: grounds_mps[index].min(grounds_mps[index + 1]),

@@ -27,10 +27,10 @@ impl Pilot<'_> {
     /// where its nose points, and turns onto its first leg: until then it is within a hull.
     pub(crate) fn drift_up(&mut self, row: usize, top: PlanPoint) {
         let rise_m = top.amsl.0 - self.home.amsl.0;
-        let Some(region) = self.vehicle.takeoff_region(rise_m) else {
+        let Some(region) = self.rotors.takeoff_region(rise_m) else {
             return;
         };
-        let climb_s = rise_m / self.vehicle.climb_mps;
+        let climb_s = rise_m / self.rotors.climb_mps;
         let end_s = self.trajectory.t_s;
         if region.drift_m > 0.0 {
             self.widen_from(0, region.drift_m);

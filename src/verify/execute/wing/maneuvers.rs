@@ -11,9 +11,9 @@ use super::drift::carried_points;
 use super::overshoot::share;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
-use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark};
+use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark, Round};
 use crate::verify::execute::item::Height;
-use crate::verify::execute::legs::{Knot, ground_speed};
+use crate::verify::execute::legs::{Knot, ground_speed, turn_radius_at_m};
 use crate::verify::limits::space::SLOPE_SHARE;
 use crate::verify::measure::segment::{Chord, Column, Phase};
 use crate::world::Terrain;
@@ -389,6 +389,11 @@ impl Pilot<'_> {
         radius_m: f64,
     ) -> Result<(), Unknown> {
         let rim_m = radius_m.abs();
+        self.flight.rounds.push(Round {
+            chord: self.trajectory.chords.len(),
+            radius_m: rim_m,
+            least_m: turn_radius_at_m(self.vehicle, rim.speed_mps, Amsl(rim.amsl_m)),
+        });
         let step_rad = (8.0 * CHORD_ERROR_M / rim_m).sqrt();
         #[expect(
             clippy::cast_possible_truncation,
