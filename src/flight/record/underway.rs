@@ -51,13 +51,8 @@ pub struct Notice {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ended: BTreeMap<String, Ended>,
     /// Whether its vehicles end with the process of `fly`.
-    #[serde(default, rename = "simulated", skip_serializing_if = "is_false")]
+    #[serde(default, rename = "simulated", skip_serializing_if = "std::ops::Not::not")]
     pub is_simulated: bool,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
-fn is_false(value: &bool) -> bool {
-    !*value
 }
 
 /// How the flight of a vehicle ended while others still fly.
