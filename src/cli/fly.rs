@@ -10,6 +10,7 @@ mod show;
 #[cfg(unix)]
 mod socket;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::args;
@@ -49,7 +50,7 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         return take_over(&plan, &arguments.link, arguments.json, lock);
     }
     let folder = runs::folder(&plan.folder);
-    let _lock = runs::hold(&folder, "fly")?;
+    let _lock = runs::hold_for_flight(&plan.folder)?;
     let given = links::given(&plan.file, &arguments.link)?;
     let missions = plan.missions.iter();
     let mut links: Vec<Link> = missions
@@ -65,8 +66,8 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let addresses = vehicles.clone().map(|v| v.id.clone()).zip(addresses);
     let mut underway = Underway::new(folder.clone(), addresses.collect(), arguments.speedup);
     let record = runs::named(&folder, "flight", "jsonl");
-    let name = record.file_name().unwrap_or_default();
-    underway.notice.record = name.to_string_lossy().into_owned();
+    underway.notice.record = file_name(&record);
+    underway.notice.is_simulated = simulated.len() == plan.missions.len();
     let header = Line::Head {
         sortie: env!("CARGO_PKG_VERSION").to_owned(),
         spec_sha256: folder::sha256(&plan.file.text),
@@ -94,13 +95,18 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let fleet = Fleet::new(assignments, options, open.us(), driver.now());
     let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.record_plans(&plan, &references)?;
-    underway.announce(None)?;
+    underway.announce(None, BTreeMap::new())?;
     driver.fly(&mut fleet, &mut screen);
     underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
     let (session, printer) = screen.into_parts();
     let output = (arguments.json, printer);
     let ended = end(driver, &fleet, &plan, output, !simulated.is_empty());
     finish(session, ended)
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
 }
 
 /// Other terminals get the outcome of the flight, too.
@@ -206,6 +212,13 @@ fn end(
     let recorded = driver.record_ends(fleet);
     let judged = recorded.and_then(|()| driver.judge(plan));
     let shown = printer.finish();
+    let unknown = fleet.unheard();
+    if !unknown.is_empty() {
+        note(&format!(
+            "not heard, so that nothing is known of their landing: {}; `sortie watch` takes them over again",
+            unknown.join(", ")
+        ));
+    }
     let in_the_air = fleet.in_the_air();
     if !in_the_air.is_empty() && !has_simulated {
         note(&format!(

@@ -86,6 +86,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         let message = format!("{} is being flown, and not replaced", target.display());
         return Err(Failure::new(Failure::OUTPUT, message));
     }
+    runs::refuse_broken_off(&target)?;
     let world = world::load(&file)?;
     check::warn(&file, &world);
     watch.split("read_s");

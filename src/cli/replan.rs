@@ -90,6 +90,10 @@ fn lead(
     }
     append(underway, &replanner.record_lines(&decision))?;
     let outcomes = replanner.send(&decision);
+    // What comes of them is known here first.
+    if let Err(error) = append(underway, &replanner.outcome_lines(&outcomes)) {
+        note(&error.to_string());
+    }
     Ok((decision, outcomes))
 }
 

@@ -35,7 +35,7 @@ pub use record::journal::Journal;
 pub use record::lines::Line;
 pub use record::read::{Broken, SPEEDUP, read_record};
 pub use record::tlog::{Capture, read_tlog};
-pub use record::underway::{Notice, Underway};
+pub use record::underway::{Ended, Notice, Underway};
 pub use record::{Fix, Flight, Flown, Plan, PopUp, RaisedAlarm, Record};
 pub use session::diversion::{Diversion, Onward};
 pub use session::driver::{Driver, Judged, Operator};

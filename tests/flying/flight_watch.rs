@@ -320,3 +320,96 @@ fn a_flight_that_broke_off_on_the_ground_is_not_taken_over() {
     assert_eq!(code, Some(3), "{errors}");
     assert!(errors.contains("not a folder"), "{errors}");
 }
+
+#[test]
+fn one_that_attaches_to_a_process_that_stands_still_is_warned_and_its_old_order_is_not_carried_out()
+{
+    let (folder, runs) = planned("lanes", &lanes("-84.238"));
+    let mut flight = take_off(folder.path(), "lanes.yaml", "4");
+    wait_for(&runs, "alpha", 12.0);
+    signal(&flight, "-STOP");
+    let mut terminal = Terminal::attach(folder.path());
+    std::thread::sleep(Duration::from_millis(500));
+    terminal.order("hold");
+    std::thread::sleep(Duration::from_millis(7000));
+    signal(&flight, "-CONT");
+    std::thread::sleep(Duration::from_millis(2500));
+    terminal.order("l");
+    let (_, shown) = terminal.end();
+    for line in [
+        "nothing heard of the process of the flight for 3 s: nobody watches the fleet",
+        "while this flight stood still: it is not carried out, give it again",
+        "all land",
+    ] {
+        assert!(shown.contains(line), "{line} in {shown}");
+    }
+    assert!(!shown.contains("all hold"), "{shown}");
+    let _ = flight.0.wait();
+}
+
+#[test]
+fn a_terminal_that_commands_and_stands_still_gives_way_to_one_that_orders() {
+    let (folder, runs) = planned("lanes", &lanes("-84.238"));
+    let mut flight = take_off(folder.path(), "lanes.yaml", "4");
+    wait_for(&runs, "alpha", 8.0);
+    let first = Terminal::attach(folder.path());
+    std::thread::sleep(Duration::from_millis(2500));
+    let id = first.0.id().to_string();
+    let stopped = Command::new("kill").args(["-STOP", &id]).status();
+    assert!(stopped.expect("kill").success());
+    let mut second = Terminal::attach(folder.path());
+    std::thread::sleep(Duration::from_millis(7000));
+    second.order("l");
+    let (_, shown) = second.end();
+    for line in [
+        "another one commands",
+        "this terminal commands the flight",
+        "all land",
+    ] {
+        assert!(shown.contains(line), "{line} in {shown}");
+    }
+    let mut first = first;
+    first.0.kill().expect("it goes");
+    let _ = first.0.wait();
+    let _ = flight.0.wait();
+}
+
+#[test]
+fn a_flight_that_broke_off_is_kept_from_another_fly_and_from_another_plan() {
+    let (folder, runs) = planned("lanes", &lanes("-84.262"));
+    let (_vehicles, [alpha, bravo]) = vehicles(folder.path());
+    let fly = [
+        "fly",
+        "lanes.yaml",
+        "--upload",
+        "--set-params",
+        &alpha,
+        &bravo,
+    ];
+    let mut flight = begin(folder.path(), &fly);
+    wait_for(&runs, "alpha", 4.0);
+    signal(&flight, "-KILL");
+    let _ = flight.0.wait();
+    let notice = std::fs::read(runs.join("links.json")).expect("it says where they are");
+    let link = folder.path().join("another");
+    std::os::unix::fs::symlink(folder.path().join("out/lanes"), &link).expect("a link");
+    for arguments in [
+        &fly[..],
+        &["fly", "lanes.yaml", "--dir", "another", &alpha, &bravo],
+        &["plan", "lanes.yaml"],
+    ] {
+        let output = sortie(folder.path(), arguments);
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(5), "{errors}");
+        assert!(errors.contains("broke off"), "{errors}");
+    }
+    assert_eq!(
+        std::fs::read(runs.join("links.json")).expect("still"),
+        notice
+    );
+    let output = sortie(folder.path(), &["watch", "out/lanes"]);
+    let shown = text(&output.stdout);
+    assert!(shown.contains("the flight is taken over"), "{shown}");
+    let output = sortie(folder.path(), &["plan", "lanes.yaml"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}

@@ -5,6 +5,7 @@ mod support;
 
 mod alarms;
 mod armed_time;
+mod before_t0;
 mod diversion;
 mod elsewhere;
 mod flight;

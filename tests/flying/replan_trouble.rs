@@ -435,3 +435,30 @@ fn a_vehicle_that_does_not_say_how_many_items_it_holds_is_sent_nothing_and_named
     let beside = margins.iter().find(beside).expect("judged");
     assert_eq!(beside["ok"], true, "{beside}");
 }
+
+#[test]
+fn one_that_landed_or_is_not_heard_does_not_keep_the_others_from_being_led() {
+    let (folder, runs, mut flight) = aloft(&lanes("-84.238"), "4", ("alpha", 20.0));
+    let path = runs.join("links.json");
+    let mut notice = json(&path);
+    // Nobody answers there.
+    notice["links"]["alpha"] = "udpout:127.0.0.1:9".into();
+    std::fs::write(&path, notice.to_string()).expect("written");
+    let (output, told, errors) = replan(folder.path(), "36.3103,-84.2425,120");
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    assert!(errors.contains("WARNING: alpha is not heard"), "{errors}");
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    let took = "is on the plan of replan";
+    let is_its = |line: &Value| line["vehicle"] == "bravo" && line["event"] == took;
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(lines(&runs).iter().any(is_its), "{took}");
+    notice["ended"]["alpha"] = serde_json::json!({"end": "landed", "t_s": 12.5});
+    std::fs::write(&path, notice.to_string()).expect("written");
+    let (output, told, errors) = replan(folder.path(), "36.3200,-84.2150,60");
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    let line = "alpha: its flight is over (landed); it is left out";
+    assert!(errors.contains(line), "{errors}");
+    assert!(!errors.contains("is not heard"), "{errors}");
+    let _ = flight.0.kill();
+    let _ = flight.0.wait();
+}

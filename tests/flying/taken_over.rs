@@ -8,16 +8,27 @@
 use std::collections::BTreeMap;
 
 use super::flight_truth::{count, sky, two};
-use crate::support::sky::{Planned, Sky, US};
+use crate::support::place;
+use crate::support::sky::{Planned, Sky, US, lane, plan};
 use sortie::flight::*;
 use sortie::link::*;
-use sortie::spec::Action;
+use sortie::spec::{Action, OnLinkLoss};
 
 /// Milliseconds since 1970 at T0.
 const T0_MS: u64 = 1_700_000_000_000;
 
 /// The ground station is killed, and another one takes over by the record and these lines.
 fn take_over<'a>(plan: &'a Planned, sky: &mut Sky<'a>, more: &[Line]) {
+    take_over_of(plan, sky, more, BTreeMap::new());
+}
+
+/// The same of vehicles some of which had `ended`.
+fn take_over_of<'a>(
+    plan: &'a Planned,
+    sky: &mut Sky<'a>,
+    more: &[Line],
+    ended: BTreeMap<String, Ended>,
+) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let record = plan.record(sky);
     let t_s = sky.fleet.t_s(sky.now).expect("T0");
@@ -42,6 +53,7 @@ fn take_over<'a>(plan: &'a Planned, sky: &mut Sky<'a>, more: &[Line]) {
     let mut underway = Underway::new(folder.path().to_owned(), BTreeMap::new(), 1.0);
     underway.notice.record = name.to_owned();
     underway.notice.t0_unix_ms = Some(T0_MS);
+    underway.notice.ended = ended;
     let frame = plan.world.frame;
     let flight = Interrupted::find(folder.path(), &underway, frame).expect("a record");
     let itineraries = plan.itineraries();
@@ -130,4 +142,89 @@ fn a_plan_that_was_sent_before_the_end_of_the_record_is_known() {
     let status = sky.fleet.status(sky.now);
     assert_eq!(count(&sky, "alpha", "ALARM mission"), 0, "{:?}", sky.events);
     assert!(held > 0 && !status.is_empty(), "{status:?}");
+}
+
+/// Nobody watches for this number of seconds.
+fn pass(sky: &mut Sky<'_>, seconds: u64) {
+    for _ in 0..50 * seconds {
+        sky.now = sky.now + 20;
+        for vehicle in &mut sky.vehicles {
+            vehicle.handle_timeout(sky.now);
+            while vehicle.poll_transmit().is_some() {}
+        }
+    }
+}
+
+#[test]
+fn a_flight_that_is_taken_over_after_its_time_is_given_up_by_nobody_before_it_was_heard() {
+    for holds in [true, false] {
+        let plan = two();
+        let mut sky = sky(&plan);
+        sky.fly_to(40.0);
+        if holds {
+            sky.fleet.intervene(sky.now, Intervention::Hold);
+            sky.fly_to(60.0);
+        }
+        let ends_s = plan.references()[0].end_s;
+        let limit_s = 1.25 * ends_s + 90.0;
+        pass(&mut sky, limit_s as u64);
+        take_over(&plan, &mut sky, &[]);
+        let begin = sky.now;
+        while sky.now < begin + 8000 && sky.fleet.outcome().is_none() {
+            sky.step();
+        }
+        for id in ["alpha", "bravo"] {
+            let given_up = count(&sky, id, "has not ended its flight");
+            assert_eq!(given_up, 0, "{:?}", sky.events);
+            let text = if holds {
+                "is watched again"
+            } else {
+                "came down while nobody watched"
+            };
+            assert_eq!(count(&sky, id, text), 1, "{:?}", sky.events);
+        }
+        assert_eq!(sky.fleet.outcome().is_none(), holds, "{:?}", sky.events);
+    }
+}
+
+#[test]
+fn who_is_not_heard_after_a_takeover_is_said_to_be_unknown_and_can_be_taken_over_again() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(40.0);
+    take_over(&plan, &mut sky, &[]);
+    sky.cut = vec![1, 2];
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    for id in ["alpha", "bravo"] {
+        let text = "was not heard since the flight was taken over";
+        assert_eq!(count(&sky, id, text), 1, "{:?}", sky.events);
+    }
+    assert_eq!(sky.fleet.unheard(), ["alpha", "bravo"]);
+    assert!(sky.fleet.ended().is_empty());
+}
+
+#[test]
+fn who_had_landed_before_a_takeover_and_is_switched_off_is_not_waited_for() {
+    let mut fleet = vec![lane("alpha", 1, 36.300), lane("bravo", 2, 36.308)];
+    fleet[1].goal.place = place(36.310, -84.236);
+    let plan = plan(fleet, OnLinkLoss::Continue);
+    let mut sky = sky(&plan);
+    while !sky.says("alpha", "landed, motors stopped") {
+        sky.step();
+        assert!(sky.now.0 < 600_000, "{:?}", sky.events);
+    }
+    let ended = sky.fleet.ended();
+    assert_eq!(ended.len(), 1, "{ended:?}");
+    assert_eq!(ended["alpha"].end, "landed", "{ended:?}");
+    take_over_of(&plan, &mut sky, &[], ended);
+    sky.cut = vec![1];
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    assert_eq!(sky.end(0), End::Landed, "{:?}", sky.events);
+    assert_eq!(sky.end(1), End::Landed, "{:?}", sky.events);
+    assert!(
+        sky.says("alpha", "its flight is over: landed"),
+        "{:?}",
+        sky.events
+    );
+    assert_eq!(count(&sky, "alpha", "ALARM"), 0, "{:?}", sky.events);
 }

@@ -170,6 +170,17 @@ impl Planned {
 
     /// The same; each is started so many seconds after T0, those without a number at T0.
     pub fn fleet_started(&self, options: Options, upload: bool, starts_s: &[f64]) -> Fleet<'_> {
+        self.fleet_from(Time(0), options, upload, starts_s)
+    }
+
+    /// The same of a ground station that begins at a time.
+    pub fn fleet_from(
+        &self,
+        now: Time,
+        options: Options,
+        upload: bool,
+        starts_s: &[f64],
+    ) -> Fleet<'_> {
         let itineraries = self.itineraries();
         let missions = self.dispatched.missions.iter().zip(self.references());
         let assignments = missions
@@ -185,7 +196,7 @@ impl Planned {
                 itinerary: itineraries[*index].clone(),
             })
             .collect();
-        Fleet::new(assignments, options, US, Time(0)).watched(&self.spec, &self.world)
+        Fleet::new(assignments, options, US, now).watched(&self.spec, &self.world)
     }
 
     /// What each vehicle does on its way, by its plan.

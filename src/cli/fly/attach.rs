@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use super::socket::{self, BEAT, END, LINE, OLD_MS, REST};
+use super::socket::{self, ASK, BEAT, END, LINE, OLD_MS, REST};
 use crate::cli::print::console::{note, out};
 use crate::cli::print::failure::{Code, Failure};
 use crate::flight::unix_ms;
@@ -18,9 +18,11 @@ const SILENT_S: u64 = 3;
 const AGAIN_S: u64 = 30;
 
 /// Whether the process of the flight goes on, as far as it says so; one of an older version does not.
-#[derive(Default)]
 struct Beats {
+    /// Whether beats come, or may still come.
     is_heard: bool,
+    /// Whether anything came: a beat does first.
+    has_begun: bool,
     /// Seconds since anything was heard.
     silent_s: u64,
 }
@@ -29,6 +31,15 @@ struct Beats {
 const NO_BEATS: u64 = u64::MAX;
 
 impl Beats {
+    /// From the connection on: a process that stands still already says nothing at all.
+    fn begin() -> Self {
+        Self {
+            is_heard: true,
+            has_begun: false,
+            silent_s: 0,
+        }
+    }
+
     /// Takes in that nothing came for another second.
     fn miss(&mut self) -> Result<(), Failure> {
         if !self.is_heard {
@@ -44,8 +55,11 @@ impl Beats {
         Ok(())
     }
 
-    /// Takes in that something came.
-    fn hear(&mut self) -> Result<(), Failure> {
+    /// Takes in that something came, a beat or not.
+    fn hear(&mut self, is_beat: bool) -> Result<(), Failure> {
+        if !std::mem::replace(&mut self.has_begun, true) {
+            self.is_heard = is_beat;
+        }
         let silent_s = std::mem::take(&mut self.silent_s);
         if silent_s >= SILENT_S {
             out(&format!(
@@ -74,14 +88,15 @@ pub(in crate::cli) fn attach(folder: &Path) -> Result<bool, Failure> {
     let Ok(stream) = UnixStream::connect(socket::path(folder)) else {
         return Ok(false);
     };
-    let silence_s = Arc::new(AtomicU64::new(NO_BEATS));
+    let silence_s = Arc::new(AtomicU64::new(0));
+    let mut answers = stream.try_clone().ok();
     if let Ok(orders) = stream.try_clone() {
         note("[h]old, [l]and, [q]uit and leave flying; Ctrl-C detaches");
         let silence_s = Arc::clone(&silence_s);
         std::thread::spawn(move || pass_orders(orders, &silence_s));
     }
     let lines = read_lines(stream);
-    let mut beats = Beats::default();
+    let mut beats = Beats::begin();
     loop {
         let line = match lines.recv_timeout(Duration::from_secs(1)) {
             Ok(line) => line,
@@ -92,11 +107,20 @@ pub(in crate::cli) fn attach(folder: &Path) -> Result<bool, Failure> {
             }
             Err(RecvTimeoutError::Disconnected) => break,
         };
-        beats.hear()?;
+        beats.hear(line.starts_with(BEAT))?;
         let mut signs = line.chars();
         match signs.next() {
             Some(LINE) => out(signs.as_str())?,
-            Some(BEAT) => beats.is_heard = signs.as_str() != REST,
+            Some(BEAT) => {
+                beats.is_heard = signs.as_str() != REST;
+                // A terminal that stands still, or takes no more lines, does not get here.
+                if signs.as_str() == ASK
+                    && let Some(session) = &mut answers
+                {
+                    // One that is gone is noticed when it is read.
+                    let _ = writeln!(session, "{BEAT}");
+                }
+            }
             Some(END) => {
                 let code = signs.as_str().parse().unwrap_or(1);
                 return match code {

@@ -93,7 +93,10 @@ pub(in crate::cli) fn take_over(
     let fleet = Fleet::take_over(assignments, options, open.us(), at, &flight);
     let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.fly(&mut fleet, &mut screen);
-    underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
+    // They may be in the air: then they can be taken over, and led, later.
+    if fleet.unheard().is_empty() {
+        underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
+    }
     let (session, printer) = screen.into_parts();
     let ended = super::end(driver, &fleet, plan, (json, printer), false);
     super::finish(session, ended)

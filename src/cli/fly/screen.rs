@@ -52,12 +52,17 @@ pub(super) struct Screen {
     socket: Option<Socket>,
     /// Whether the own terminal is there and commands.
     has_terminal: bool,
+    /// What is being written on the own terminal, and since when.
+    at_work: (Option<u64>, Time),
+    is_stuck: bool,
     /// When other terminals get the table of the fleet again.
     table_due: Time,
 }
 
 /// Between two tables for other terminals, milliseconds.
 const TABLE_MS: u64 = 1000;
+/// The own terminal that takes nothing for this long does not command, milliseconds.
+const STUCK_MS: u64 = 5000;
 
 impl Screen {
     /// Takes over Ctrl-C, and opens the session in the folder of the records. `json` says whether
@@ -81,6 +86,8 @@ impl Screen {
             has_simulated,
             socket: open_session(folder),
             has_terminal: is_terminal(),
+            at_work: (None, Time(0)),
+            is_stuck: false,
             table_due: Time(0),
         })
     }
@@ -97,6 +104,26 @@ impl Screen {
     fn shown(&self) -> Result<(), FlightError> {
         let shown = self.show.shown();
         shown.map_err(|failure| FlightError::Record(failure.message))
+    }
+
+    /// Looks whether the own terminal takes what is written: one that was stopped (Ctrl-S, a connection that stalls)
+    /// does not command, so that others can.
+    fn look_at_terminal(&mut self, now: Time) {
+        let at_work = self.show.at_work();
+        if at_work != self.at_work.0 {
+            self.at_work = (at_work, now);
+        }
+        let is_stuck = at_work.is_some() && now - self.at_work.1 >= STUCK_MS;
+        if is_stuck == self.is_stuck || !self.has_terminal {
+            return;
+        }
+        self.is_stuck = is_stuck;
+        if let Some(socket) = &mut self.socket {
+            socket.show(match is_stuck {
+                true => "the terminal of this flight takes no lines any more: one that is attached commands",
+                false => "the terminal of this flight takes lines again: it commands",
+            });
+        }
     }
 
     fn leave(&self) -> Intervention {
@@ -146,6 +173,7 @@ impl Operator for Screen {
 
     fn update(&mut self, fleet: &Fleet<'_>, now: Time) -> Result<(), FlightError> {
         self.show.fleet(fleet, now);
+        self.look_at_terminal(now);
         if let Some(socket) = self.socket.as_mut().filter(|_| now >= self.table_due) {
             self.table_due = now + TABLE_MS;
             socket.set_table(fleet.status(now).iter().map(show::line).collect());
@@ -164,7 +192,7 @@ impl Operator for Screen {
         if let Some(leave) = self.interrupted() {
             return Some(leave);
         }
-        let has_terminal = self.has_terminal;
+        let has_terminal = self.has_terminal && !self.is_stuck;
         let ordered = self.socket.as_mut();
         if let Some(order) = ordered.and_then(|socket| socket.poll(has_terminal)) {
             return Some(order);

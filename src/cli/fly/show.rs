@@ -62,6 +62,11 @@ impl Show {
             .table(fleet.status(now).iter().map(line).collect());
     }
 
+    /// See [`Printer::at_work`].
+    pub(super) fn at_work(&self) -> Option<u64> {
+        self.printer.at_work()
+    }
+
     /// What may be not written yet.
     pub(super) fn into_printer(self) -> Printer {
         self.printer

@@ -2,8 +2,9 @@
 //! terminals attach to with `sortie watch`. One of them commands, the others watch.
 //!
 //! Lines to a terminal begin with a mark: [`LINE`] is shown, [`END`] carries the exit code of the
-//! flight, [`BEAT`] comes each second while the flight is watched, and with [`REST`] when that is over. Lines from a
-//! terminal are orders: `hold`, `land`, `leave`, and when they were given, milliseconds since 1970.
+//! flight, [`BEAT`] comes each second while the flight is watched, with [`ASK`] where an answer is waited for, and with
+//! [`REST`] when that is over. Lines from a terminal are such answers, a [`BEAT`] alone, and orders: `hold`, `land`,
+//! `leave`, and when they were given, milliseconds since 1970.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -18,7 +19,11 @@ use crate::numeric::text::escaped;
 pub(super) const LINE: char = '=';
 pub(super) const END: char = '!';
 pub(super) const BEAT: char = '~';
+pub(super) const ASK: &str = "?";
 pub(super) const REST: &str = "rest";
+/// A terminal that commands and has answered no beat for this long stands still: another one commands if it orders
+/// something, milliseconds.
+const SILENT_MS: u64 = 5000;
 /// Between two beats, milliseconds.
 const BEAT_MS: u64 = 1000;
 /// An order that was given longer ago is not carried out, milliseconds: the process of the flight stood still, and the
@@ -58,6 +63,8 @@ struct Client {
     is_gone: bool,
     /// Whether it was informed that it commands.
     commands: bool,
+    /// When it was heard last, milliseconds since 1970; none before it has answered a beat, as older ones never do.
+    heard_ms: Option<u64>,
 }
 
 impl Socket {
@@ -111,20 +118,34 @@ impl Socket {
         let now_ms = unix_ms();
         if now_ms.abs_diff(self.beat_ms) >= BEAT_MS {
             self.beat_ms = now_ms;
-            self.beat("");
+            self.beat(ASK);
         }
-        if let Some(first) = self
-            .clients
-            .first_mut()
-            .filter(|of| !has_terminal && !of.commands)
-        {
+        let has_commander = has_terminal || self.clients.iter().any(|of| of.commands);
+        if let Some(first) = self.clients.first_mut().filter(|_| !has_commander) {
             first.commands = true;
             first.send(&format!("{LINE}this terminal commands the flight\n"));
         }
+        self.take_orders(now_ms, has_terminal)
+    }
+
+    /// Whether the terminal that commands stands still.
+    fn is_commander_silent(&self, now_ms: u64) -> bool {
+        let commander = self.clients.iter().find(|of| of.commands);
+        let heard_ms = commander.and_then(|of| of.heard_ms);
+        heard_ms.is_some_and(|heard_ms| now_ms.saturating_sub(heard_ms) > SILENT_MS)
+    }
+
+    fn take_orders(&mut self, now_ms: u64, has_terminal: bool) -> Option<Intervention> {
         let mut order = None;
-        for client in &mut self.clients {
+        let mut passes_to = None;
+        let is_free = !has_terminal && self.is_commander_silent(now_ms);
+        for (index, client) in self.clients.iter_mut().enumerate() {
             client.flush();
             for line in client.orders() {
+                if line.starts_with(BEAT) {
+                    client.heard_ms = Some(now_ms);
+                    continue;
+                }
                 let (what, given_ms) = order_of(&line);
                 let wants = match what {
                     "hold" => Intervention::Hold,
@@ -141,15 +162,33 @@ impl Socket {
                     client.send(&format!(
                         "{LINE}the order to {what} was given {age_s} s ago, while this flight stood still: it is not carried out, give it again\n"
                     ));
-                } else if client.commands {
+                } else if client.commands && !has_terminal {
                     order = order.or(Some(wants));
+                } else if is_free && passes_to.is_none() {
+                    (passes_to, order) = (Some(index), order.or(Some(wants)));
                 } else {
                     client.send(&format!("{LINE}another terminal commands this flight\n"));
                 }
             }
         }
+        if let Some(index) = passes_to {
+            self.pass_command_to(index);
+        }
         self.clients.retain(|client| !client.is_gone);
         order
+    }
+
+    fn pass_command_to(&mut self, index: usize) {
+        let silent_s = SILENT_MS / 1000;
+        self.show(&format!(
+            "the terminal that commanded has not answered for more than {silent_s} s: another one commands"
+        ));
+        for (at, client) in self.clients.iter_mut().enumerate() {
+            client.commands = at == index;
+        }
+        if let Some(client) = self.clients.get_mut(index) {
+            client.send(&format!("{LINE}this terminal commands the flight\n"));
+        }
     }
 
     fn beat(&mut self, what: &str) {
@@ -174,8 +213,9 @@ impl Socket {
                 outbox: VecDeque::new(),
                 is_gone: false,
                 commands: false,
+                heard_ms: None,
             };
-            client.send(&format!("{BEAT}\n"));
+            client.send(&format!("{BEAT}{ASK}\n"));
             let table = self.table.iter();
             let table = table.map(|row| format!("{LINE}{}\n", escaped(row)));
             for line in self.history.iter().cloned().chain(table) {

@@ -5,11 +5,14 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::cli::print::failure::Failure;
-use crate::flight::unix_ms;
+use crate::flight::{Underway, unix_ms};
 
 /// The folder of the records of the plan in `out`.
 pub(crate) fn folder(out: &Path) -> PathBuf {
-    let out = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
+    // A link leads to the same plan.
+    let out = fs::canonicalize(out)
+        .or_else(|_| std::path::absolute(out))
+        .unwrap_or_else(|_| out.to_owned());
     let mut name = out.file_name().map(OsStr::to_owned).unwrap_or_default();
     name.push(".runs");
     out.with_file_name(name)
@@ -68,7 +71,17 @@ pub(crate) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
     })
 }
 
-/// The same; none if another one has it.
+/// Holds the plan in `out` for a flight that begins.
+///
+/// # Errors
+/// It is flown, or a flight by it broke off.
+pub(crate) fn hold_for_flight(out: &Path) -> Result<Held, Failure> {
+    let held = hold(&folder(out), "fly")?;
+    refuse_broken_off(out)?;
+    Ok(held)
+}
+
+/// The same as [`hold`]; none if another one has it.
 ///
 /// # Errors
 /// Its file cannot be written.
@@ -95,6 +108,23 @@ pub(crate) fn try_hold(runs: &Path, command: &str) -> Result<Option<Held>, Failu
 
 fn lock_path(runs: &Path, command: &str) -> PathBuf {
     runs.join(format!(".{command}.lock"))
+}
+
+/// Refuses to begin anything new on a plan whose flight broke off: its vehicles may be in the air.
+///
+/// # Errors
+/// There is such a flight.
+pub(crate) fn refuse_broken_off(out: &Path) -> Result<(), Failure> {
+    let Some(record) = Underway::broken_off(&folder(out)) else {
+        return Ok(());
+    };
+    let out = out.display();
+    let message = format!(
+        "a flight by this plan broke off (its record is {}), and its vehicles may be in the air: `sortie watch {out}` takes \
+         it over. Where you know that all are down, Ctrl-C there and `q` end it; nothing was started",
+        record.display()
+    );
+    Err(Failure::new(Failure::TRANSFER, message))
 }
 
 /// Whether a flight by the plan in `out` goes on.

@@ -42,6 +42,9 @@ struct Queue {
     /// What could not be written first.
     failed: Option<String>,
     is_over: bool,
+    /// How often something was begun to be written, and whether that is not over.
+    begun: u64,
+    is_at_work: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -75,6 +78,12 @@ impl Printer {
     pub(crate) fn table(&self, rows: Vec<String>) {
         self.desk.lock().table = Some(rows);
         self.desk.wakes.notify_one();
+    }
+
+    /// The number of what is being written, if anything is: one that stays shows a terminal that takes nothing.
+    pub(crate) fn at_work(&self) -> Option<u64> {
+        let queue = self.desk.lock();
+        queue.is_at_work.then_some(queue.begun)
     }
 
     /// Waits until everything is written.
@@ -130,9 +139,11 @@ impl Desk {
     /// Everything that waits, once something does; none: it is over.
     fn take(&self) -> Option<Queue> {
         let mut queue = self.lock();
+        queue.is_at_work = false;
         loop {
             let has_work = !queue.lines.is_empty() || queue.table.is_some();
             if has_work {
+                (queue.begun, queue.is_at_work) = (queue.begun + 1, true);
                 return Some(Queue {
                     lines: std::mem::take(&mut queue.lines),
                     table: queue.table.take(),

@@ -214,7 +214,7 @@ impl<'a> Alarms<'a> {
         if let Some(of) = self.vehicles.get_mut(vehicle) {
             if duty.flies && !of.duty.flies {
                 of.silent_s = 0.0;
-                of.onboard.begin(duty.held);
+                of.onboard.begin(duty.held, &of.mission.home);
                 if !duty.is_up {
                     of.skips.begin(t_s, of.here.as_ref());
                 }
@@ -231,6 +231,14 @@ impl<'a> Alarms<'a> {
             if duty.returns && duty.flies && of.returns.is_empty() {
                 self.ordered(t_s, vehicle, true);
             }
+        }
+    }
+
+    /// T0 of a vehicle: the ids of its mission, fence and rally points when they were read, and whether its home was
+    /// compared.
+    pub(in crate::flight) fn hold_to(&mut self, vehicle: usize, checked: (Option<[u32; 3]>, bool)) {
+        if let Some(of) = self.vehicles.get_mut(vehicle) {
+            of.onboard.hold_to(checked);
         }
     }
 
@@ -255,6 +263,11 @@ impl<'a> Alarms<'a> {
         if let Some(of) = self.vehicles.get_mut(vehicle) {
             of.onboard.expect((t_s, speedup), plan, of.mission);
         }
+    }
+
+    /// Until when a plan that a vehicle is sent is waited for, seconds after T0; none where none is.
+    pub(in crate::flight) fn waits_until_s(&self, vehicle: usize) -> Option<f64> {
+        self.vehicles.get(vehicle)?.onboard.waits_until_s()
     }
 
     /// Takes in the parameters that a vehicle says to be others than planned, and one that says how it returns.

@@ -8,7 +8,7 @@ use crate::flight::session::modes;
 use crate::link::{
     Address, Command, CommandResult, FlightMessage, Heartbeat, List, Message, as_line,
 };
-use crate::mission::VehicleMission;
+use crate::mission::{Home, VehicleMission};
 use elsewhere::Elsewhere;
 use settings::Settings;
 
@@ -36,6 +36,7 @@ pub(super) struct Onboard {
     /// Items and id that it said first, with the mission that it should hold.
     total: Option<u16>,
     id: Option<u32>,
+    checked: Option<(Option<[u32; 3]>, bool)>,
     /// What differs, and since when.
     differs: Option<(String, f64)>,
     /// The other station that it was heard to take a mission from.
@@ -64,6 +65,7 @@ impl Onboard {
             taken_up: None,
             total: None,
             id: None,
+            checked: None,
             differs: None,
             written_by: None,
             elsewhere: Elsewhere::default(),
@@ -77,10 +79,20 @@ impl Onboard {
         }
     }
 
+    /// What was found before T0: the ids of mission, fence and rally points, and whether home was compared.
+    pub(super) fn hold_to(&mut self, checked: (Option<[u32; 3]>, bool)) {
+        self.checked = Some(checked);
+    }
+
     /// Its flight begins: how many items it said to hold when they were read.
-    pub(super) fn begin(&mut self, held: Option<usize>) {
+    pub(super) fn begin(&mut self, held: Option<usize>, planned: &Home) {
         let held = held.filter(|held| *held == self.items);
         self.total = held.and_then(|held| u16::try_from(held).ok());
+        let Some((ids, is_home_checked)) = self.checked.take() else {
+            return;
+        };
+        self.id = ids.map(|ids| ids[0]).filter(|id| *id != 0).or(self.id);
+        self.elsewhere.begin(ids, is_home_checked, planned);
     }
 
     /// Another mission comes from a time in seconds after T0 on, with the lists of `mission`. One that did not come in
@@ -98,7 +110,12 @@ impl Onboard {
         self.sent_until_s = t_s + transfer_s * speedup.max(1.0);
         self.next = Some(plan);
         // What it is heard to hold from now on says whether it is another one.
-        (self.id, self.differs) = (None, None);
+        (self.id, self.differs, self.checked) = (None, None, None);
+    }
+
+    /// Until when the plan that it is sent is waited for, seconds after T0; none where none is.
+    pub(super) fn waits_until_s(&self) -> Option<f64> {
+        self.next.as_ref().map(|_| self.sent_until_s)
     }
 
     /// Items of the mission that it should hold.

@@ -9,8 +9,10 @@ use crate::autopilot::{in_unit_of, other_name};
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
 use crate::mission::{Parameter, is_lean_limit};
 
-/// Between two requests for one parameter, milliseconds.
+/// Between two requests for one parameter, milliseconds, where the link is quick; else its round trip more. A longer one
+/// than the other is none.
 const REPEAT_MS: u64 = 400;
+const LONGEST_MS: u64 = 15_000;
 /// Requests before a parameter counts as unknown to the vehicle.
 const MOST: u8 = 6;
 
@@ -39,6 +41,8 @@ pub(crate) struct SettingsCheck<'a> {
     at: usize,
     due: Time,
     requested: u8,
+    /// Between two requests, milliseconds.
+    repeat_ms: u64,
     /// Whether a difference is set right.
     set: bool,
     /// Whether one was: then all are read again, because an autopilot may limit one by another.
@@ -53,6 +57,8 @@ pub(crate) struct SettingsCheck<'a> {
     accepted: BTreeMap<usize, OtherSetting>,
     /// What the vehicle says to be other than when it was read.
     others: BTreeMap<usize, OtherSetting>,
+    /// What was sent to be set: its name, and the values before and after, in its unit.
+    sent: Vec<(String, f32, f32)>,
 }
 
 impl<'a> SettingsCheck<'a> {
@@ -63,6 +69,7 @@ impl<'a> SettingsCheck<'a> {
             at: 0,
             due: now,
             requested: 0,
+            repeat_ms: REPEAT_MS,
             set,
             is_changed: false,
             setting: None,
@@ -71,6 +78,7 @@ impl<'a> SettingsCheck<'a> {
             differences: Vec::new(),
             accepted: BTreeMap::new(),
             others: BTreeMap::new(),
+            sent: Vec::new(),
         }
     }
 
@@ -81,6 +89,33 @@ impl<'a> SettingsCheck<'a> {
             at,
             ..Self::new(planned, false, bytewise, now)
         }
+    }
+
+    /// An answer takes as long, milliseconds.
+    pub(crate) fn take_round_trip(&mut self, round_trip_ms: u64) {
+        self.repeat_ms = match round_trip_ms > REPEAT_MS {
+            true => REPEAT_MS + round_trip_ms.min(LONGEST_MS),
+            false => REPEAT_MS,
+        };
+    }
+
+    /// Which parameter is waited for, and how many of how many are read.
+    pub(crate) fn awaited(&self) -> Option<String> {
+        let name = &self.planned.get(self.at)?.name;
+        let (at, all) = (self.at, self.planned.len());
+        Some(format!("parameter {name} ({at} of {all} are read)"))
+    }
+
+    /// Nothing more is read or set.
+    pub(crate) fn stop(&mut self) {
+        (self.at, self.setting) = (self.planned.len(), None);
+    }
+
+    /// What was sent to be set, in words; nothing where nothing was.
+    pub(crate) fn was_set(&self) -> Option<String> {
+        let words = |(name, from, to): &(String, f32, f32)| format!("{name} from {from} to {to}");
+        let all: Vec<String> = self.sent.iter().map(words).collect();
+        (!all.is_empty()).then(|| format!("was set, and stays so: {}", all.join(", ")))
     }
 
     /// What the vehicle has said to be other than when it was read, for as long as this, milliseconds.
@@ -149,6 +184,7 @@ impl<'a> SettingsCheck<'a> {
         }
         if self.set && self.setting.is_none() {
             self.setting = Some((name.to_owned(), held.with(planned_value, self.bytewise)));
+            self.sent.push((name.to_owned(), value, planned_value));
             (self.due, self.requested, self.is_changed) = (now, 0, true);
         } else if !self.set {
             self.differences.push(format!(
@@ -199,7 +235,7 @@ impl<'a> SettingsCheck<'a> {
         // A vehicle knows one of the names, by its version: they take turns.
         let turn = other.filter(|_| self.requested % 2 == 1);
         self.requested += 1;
-        self.due = now + REPEAT_MS;
+        self.due = now + self.repeat_ms;
         Some(Message::Flight(match self.setting.clone() {
             Some((name, value)) => FlightMessage::ParamSet {
                 target,

@@ -11,6 +11,17 @@ pub(crate) const HOME_UP_M: f64 = 5.0;
 /// A vehicle may stand this far from its home, metres.
 pub(crate) const STANDS_M: f64 = 15.0;
 
+/// Home moves by less than this where an autopilot gets a better position or takes where it stands, metres.
+const HOME_MOVES_M: f64 = 15.0;
+
+/// By how much a home is away from another one, metres, if it is another place.
+pub(crate) fn home_moved_m(before: &Home, now: &Home) -> Option<f64> {
+    let across_m = place(before).chord_m(place(now));
+    let up_m = f64::from(now.amsl_m) - f64::from(before.amsl_m);
+    let off_m = across_m.max(up_m.abs());
+    (off_m > HOME_MOVES_M).then_some(off_m)
+}
+
 /// The place of a home.
 pub(crate) fn place(home: &Home) -> LatLon {
     LatLon::of_e7(home.x, home.y)

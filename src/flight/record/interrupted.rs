@@ -1,11 +1,12 @@
 //! A flight whose ground station crashed, by its record: everything that goes on from there.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::journal::{Journal, unwritable};
 use super::lines::Line;
 use super::read::read_record;
-use super::underway::Underway;
+use super::underway::{Ended, Underway};
 use super::{Flight, Record};
 use crate::flight::error::FlightError;
 use crate::flight::session::end::End;
@@ -23,6 +24,8 @@ pub struct Interrupted {
     replan_lines: usize,
     /// What comes after the last line that can be read.
     lost: Vec<u8>,
+    /// Vehicles that were down, by the notice of the flight.
+    ended: BTreeMap<String, Ended>,
 }
 
 impl Interrupted {
@@ -55,7 +58,7 @@ impl Interrupted {
         if record
             .flights
             .iter()
-            .any(|of| of.flown.end != End::NotFlown)
+            .all(|of| of.flown.end != End::NotFlown)
         {
             let why = "the flight is over; `sortie review` judges its record";
             return Err(bad(why.to_owned()));
@@ -66,13 +69,14 @@ impl Interrupted {
         let lines = text
             .lines()
             .filter_map(|line| serde_json::from_str(line).ok());
-        let replan_lines = lines.filter(is_of_replan).count();
+        let replan_lines = lines.filter(Line::is_of_replan).count();
         Ok(Self {
             path,
             record,
             t0_unix_ms,
             replan_lines,
             lost: bytes[length..].to_vec(),
+            ended: notice.ended.clone(),
         })
     }
 
@@ -99,6 +103,16 @@ impl Interrupted {
     pub fn flight(&self, vehicle: &str) -> Option<&Flight> {
         let mut flights = self.record.flights.iter();
         flights.find(|of| of.vehicle == vehicle)
+    }
+
+    /// How the flight of a vehicle ended before it broke off, and whether the record says so.
+    pub(crate) fn ended(&self, vehicle: &str) -> Option<(Ended, bool)> {
+        let flown = self.flight(vehicle).map(|of| &of.flown);
+        if let Some(flown) = flown.filter(|flown| flown.end != End::NotFlown) {
+            let (end, t_s) = (flown.end.words().to_owned(), flown.until_s);
+            return Some((Ended { end, t_s }, true));
+        }
+        self.ended.get(vehicle).cloned().map(|ended| (ended, false))
     }
 
     /// When the last position was recorded, seconds after T0.
@@ -150,15 +164,6 @@ impl Interrupted {
     /// Lines of `replan` that are in the record.
     pub(crate) fn replan_lines(&self) -> usize {
         self.replan_lines
-    }
-}
-
-/// Whether `replan` wrote a line: a threat, or a plan that a vehicle did not take off with.
-fn is_of_replan(line: &Line) -> bool {
-    match line {
-        Line::Threat { .. } => true,
-        Line::Plan { t_s, .. } => *t_s > 0.0,
-        _ => false,
     }
 }
 

@@ -177,6 +177,15 @@ pub struct FixLine {
 }
 
 impl Line {
+    /// Whether `replan` wrote it: a threat, or a plan that a vehicle did not take off with.
+    pub(super) fn is_of_replan(&self) -> bool {
+        match self {
+            Self::Threat { .. } => true,
+            Self::Plan { t_s, .. } => *t_s > 0.0,
+            _ => false,
+        }
+    }
+
     /// The line as it is written, without its end.
     #[must_use]
     pub fn text(&self) -> String {

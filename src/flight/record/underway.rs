@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +47,21 @@ pub struct Notice {
     /// File name of the record; empty where there is none.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub record: String,
+    /// The vehicles whose flight is over and whose motors stand, by id.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub ended: BTreeMap<String, Ended>,
+    /// Whether its vehicles end with the process of `fly`.
+    #[serde(default, rename = "simulated", skip_serializing_if = "std::ops::Not::not")]
+    pub is_simulated: bool,
+}
+
+/// How the flight of a vehicle ended while others still fly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ended {
+    /// In the words of [`crate::flight::End::words`].
+    pub end: String,
+    /// When, seconds after T0; none where nobody saw it.
+    pub t_s: Option<f64>,
 }
 
 impl Default for Notice {
@@ -57,6 +72,8 @@ impl Default for Notice {
             speedup: 1.0,
             t0_unix_ms: None,
             record: String::new(),
+            ended: BTreeMap::new(),
+            is_simulated: false,
         }
     }
 }
@@ -102,6 +119,8 @@ impl Underway {
                 speedup,
                 t0_unix_ms: None,
                 record: String::new(),
+                ended: BTreeMap::new(),
+                is_simulated: false,
             },
         }
     }
@@ -135,13 +154,28 @@ impl Underway {
         }))
     }
 
-    /// Writes `links.json`, before T0 and again at T0.
+    /// The record of a flight that broke off after T0 and was not taken over to its end, if there is one.
+    #[must_use]
+    pub fn broken_off(folder: &Path) -> Option<PathBuf> {
+        let notice = Self::find(folder.to_owned()).ok()??.notice;
+        let name = Path::new(&notice.record).file_name()?;
+        let record = folder.join(name);
+        let has_begun = notice.t0_unix_ms.is_some() && !notice.is_simulated;
+        (has_begun && record.is_file()).then_some(record)
+    }
+
+    /// Writes `links.json`, before T0, again at T0, and when the flight of a vehicle is over: those are `ended`.
     ///
     /// # Errors
     /// [`FlightError::Record`]
-    pub fn announce(&self, t0_unix_ms: Option<u64>) -> Result<(), FlightError> {
+    pub fn announce(
+        &self,
+        t0_unix_ms: Option<u64>,
+        ended: BTreeMap<String, Ended>,
+    ) -> Result<(), FlightError> {
         let notice = Notice {
             t0_unix_ms,
+            ended,
             ..self.notice.clone()
         };
         if t0_unix_ms.is_none() {
@@ -190,11 +224,23 @@ impl Underway {
         })
     }
 
-    /// Bytes of the first lines for the record, which are in it already.
+    /// Bytes of the first threats and plans, which are in the record already, and of how those were taken.
     #[must_use]
     pub(crate) fn length_of(&self, lines: usize) -> usize {
         let text = read_regular(&self.underway()).unwrap_or_default();
-        text.split_inclusive('\n').take(lines).map(str::len).sum()
+        let is_counted = |line: &str| {
+            serde_json::from_str(line.trim_end()).is_ok_and(|of: Line| of.is_of_replan())
+        };
+        let (mut left, mut length) = (lines, 0);
+        for line in text.split_inclusive('\n') {
+            let counts = is_counted(line);
+            if counts && left == 0 {
+                break;
+            }
+            left -= usize::from(counts);
+            length += line.len();
+        }
+        if lines == 0 { 0 } else { length }
     }
 
     /// The threats that came up so far.

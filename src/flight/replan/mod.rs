@@ -18,7 +18,7 @@ mod state;
 
 use std::collections::BTreeMap;
 
-use super::clock::Clock;
+use super::clock::{Clock, unix_ms};
 use super::error::FlightError;
 use super::launch::plan::FlightPlan;
 use super::record::lines::Line;
@@ -163,7 +163,7 @@ impl<'a> Replanner<'a> {
     /// [`FlightError::Transfer`] for a vehicle that does not answer, [`FlightError::Verdict`] for
     /// a mission that cannot be replanned and for planning that takes too long.
     pub fn decide(&self, seed: Option<u64>, note: &dyn Fn(&str)) -> Result<Decision, FlightError> {
-        let mut observer = Observer::read(&self.links, &self.clock, self.plan)?;
+        let mut observer = Observer::read(&self.links, &self.clock, self.plan, &self.notice.ended)?;
         let mut planning_s = PLANNING_S;
         let mut no_path = NoPath::new();
         for _ in 0..ATTEMPTS {
@@ -222,6 +222,21 @@ impl<'a> Replanner<'a> {
             .collect()
     }
 
+    /// Lines for the record: how each vehicle took its new mission.
+    #[must_use]
+    pub fn outcome_lines(&self, outcomes: &Outcomes) -> Vec<Line> {
+        let t_s = Some(self.notice.t_s(unix_ms()));
+        let line = |(index, outcome): (&usize, &Result<(), String>)| Line::Event {
+            t_s,
+            vehicle: Some(self.plan.vehicle(*index).id.clone()),
+            event: match outcome {
+                Ok(()) => "is on the plan of replan".to_owned(),
+                Err(why) => format!("is not on the plan of replan: {why}"),
+            },
+        };
+        outcomes.iter().map(line).collect()
+    }
+
     /// Transfers the new missions, and has the vehicles go on with them.
     #[must_use]
     pub fn send(&self, decision: &Decision) -> Outcomes {
@@ -232,6 +247,17 @@ impl<'a> Replanner<'a> {
             self.plan,
             (missions, &decision.observation),
         )
+    }
+
+    /// Why a vehicle is neither led nor kept clear of.
+    fn left_out(&self, id: &str, is_silent: bool) -> String {
+        match self.notice.ended.get(id) {
+            Some(ended) => format!("{id}: its flight is over ({}); it is left out", ended.end),
+            None if is_silent => format!(
+                "WARNING: {id} is not heard: where it is, is not known, and the new paths of the others do not keep clear of it"
+            ),
+            None => format!("{id}: does not fly; it is left out"),
+        }
     }
 
     /// The state of each vehicle in flight.
@@ -245,7 +271,7 @@ impl<'a> Replanner<'a> {
             let id = &self.plan.vehicle(*index).id;
             let observed = observation.vehicles.get(index);
             let Some(observed) = observed.filter(|of| of.beat.is_armed()) else {
-                note(&format!("{id}: does not fly; it is left out"));
+                note(&self.left_out(id, observation.silent.contains(index)));
                 continue;
             };
             let state = VehicleState::new(self.plan, *index, mission, observed, &self.threat_time);

@@ -1,18 +1,21 @@
 //! What is on board of every vehicle, and where it is. Vehicles are only asked: nothing on board changes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
+use crate::flight::record::underway::Ended;
 use crate::link::{
     AUTOPILOT_INVALID, Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message,
     Onboard, Position, Reading, Time,
 };
 
-/// Vehicles that stay silent for this long are given up, milliseconds.
+/// One that is heard, and says nothing more of what it is asked for, is waited for no longer than this, milliseconds.
 const LISTENING_MS: u64 = 10_000;
+/// One that is not heard at all is left out after this time, milliseconds: the others are led.
+const SILENT_MS: u64 = 5_000;
 /// Between two requests for position and current item, milliseconds.
 const REQUEST_MS: u64 = 100;
 /// Requested messages: `GLOBAL_POSITION_INT` and `MISSION_CURRENT`.
@@ -40,6 +43,8 @@ pub(super) struct ObservedVehicle {
 pub(super) struct Observation {
     /// By index in the spec.
     pub(super) vehicles: BTreeMap<usize, ObservedVehicle>,
+    /// Those that were not heard.
+    pub(super) silent: BTreeSet<usize>,
     /// The time, milliseconds since 1970.
     pub(super) unix_ms: u64,
     /// The same on the clock of the command, seconds.
@@ -56,6 +61,21 @@ struct Known {
     flown: Vec<(u64, Position)>,
     /// Its current item, and how many it says to hold.
     current: Option<(u16, u16)>,
+    /// When anything came that was waited for.
+    moved: Time,
+    is_silent: bool,
+}
+
+impl Known {
+    /// What of it was waited for in vain.
+    fn missing(&self) -> &'static str {
+        match self.reading.outcome() {
+            _ if self.beat.is_none() => "sends no heartbeat",
+            None => "does not send all of its mission, fence and rally points",
+            Some(_) if self.position.is_none() => "does not say where it is",
+            Some(_) => "does not say which item it flies to",
+        }
+    }
 }
 
 /// Reads the lists of every vehicle once, and observes the fleet as often as needed.
@@ -69,12 +89,15 @@ pub(super) struct Observer<'a> {
 
 impl<'a> Observer<'a> {
     /// Reads what every vehicle holds.
+    /// Those whose flight is over (`ended`) may be switched off.
     pub(super) fn read(
         links: &'a Links,
         clock: &'a Clock,
         plan: &'a FlightPlan,
+        ended: &BTreeMap<String, Ended>,
     ) -> Result<Self, FlightError> {
         let missions = plan.missions.iter();
+        let missions = missions.filter(|(index, _)| !ended.contains_key(&plan.vehicle(*index).id));
         let vehicles = missions.map(|(index, _)| {
             let sysid = plan.vehicle(*index).sysid;
             let known = Known {
@@ -83,6 +106,8 @@ impl<'a> Observer<'a> {
                 position: None,
                 flown: Vec::new(),
                 current: None,
+                moved: clock.now(),
+                is_silent: false,
             };
             (*index, known)
         });
@@ -101,21 +126,23 @@ impl<'a> Observer<'a> {
 
     /// Observes where every vehicle is now.
     pub(super) fn observe(&mut self) -> Result<Observation, FlightError> {
+        let now = self.clock.now();
         for of in self.vehicles.values_mut() {
-            (of.position, of.current) = (None, None);
+            (of.position, of.current, of.moved) = (None, None, now);
         }
         self.listen_until(|of| of.position.is_some() && of.current.is_some())?;
         let mut observation = Observation {
             vehicles: BTreeMap::new(),
+            silent: BTreeSet::new(),
             unix_ms: unix_ms(),
             at_s: self.clock.seconds(),
             reading_s: self.reading_s,
         };
-        for (index, of) in &self.vehicles {
+        for (index, of) in self.vehicles.iter().filter(|(_, of)| !of.is_silent) {
             let (Some((address, beat)), Some(position), Some((seq, total)), Some(Ok(onboard))) =
                 (of.beat, of.position, of.current, of.reading.outcome())
             else {
-                return Err(self.silent(*index));
+                return Err(self.incomplete(*index));
             };
             let observed = ObservedVehicle {
                 address,
@@ -128,21 +155,34 @@ impl<'a> Observer<'a> {
             };
             observation.vehicles.insert(*index, observed);
         }
+        let silent = self.vehicles.iter().filter(|(_, of)| of.is_silent);
+        observation.silent = silent.map(|(index, _)| *index).collect();
         Ok(observation)
     }
 
-    fn silent(&self, index: usize) -> FlightError {
+    fn incomplete(&self, index: usize) -> FlightError {
         let id = &self.plan.vehicle(index).id;
-        FlightError::Transfer(format!("{id}: does not say where it is; nothing was sent"))
+        let missing = self.vehicles.get(&index).map_or("", Known::missing);
+        FlightError::Transfer(format!("{id}: {missing}; nothing was sent"))
     }
 
+    /// Those that are heard are waited for as long as they send something of it.
     fn listen_until(&mut self, is_known: fn(&Known) -> bool) -> Result<(), FlightError> {
-        let began = self.clock.now();
         let mut requested: Option<Time> = None;
-        while let Some((late, _)) = self.vehicles.iter().find(|(_, of)| !is_known(of)) {
+        let is_waited_for = |of: &Known| !of.is_silent && !is_known(of);
+        while self.vehicles.values().any(is_waited_for) {
             let now = self.clock.now();
-            if now - began > LISTENING_MS {
-                return Err(self.silent(*late));
+            for of in self.vehicles.values_mut() {
+                of.is_silent |= of.beat.is_none() && now - of.moved > SILENT_MS;
+            }
+            if self.vehicles.values().all(|of| of.is_silent) {
+                let message = "no vehicle is heard; nothing was sent";
+                return Err(FlightError::Transfer(message.to_owned()));
+            }
+            let is_late = |of: &Known| is_waited_for(of) && now - of.moved > LISTENING_MS;
+            let late = self.vehicles.iter().find(|(_, of)| is_late(of));
+            if let Some((index, _)) = late {
+                return Err(self.incomplete(*index));
             }
             if requested.is_none_or(|at| now - at >= REQUEST_MS) {
                 requested = Some(now);
@@ -174,13 +214,17 @@ impl<'a> Observer<'a> {
     }
 
     fn transfer(&mut self, now: Time) -> Result<(), FlightError> {
-        for (index, of) in &mut self.vehicles {
+        for (index, of) in self.vehicles.iter_mut().filter(|(_, of)| !of.is_silent) {
             let vehicle = self.plan.vehicle(*index);
             of.reading.handle_timeout(now);
             while let Some(message) = of.reading.poll_transmit() {
                 self.links.send(vehicle.sysid, message);
             }
             if let Some(Err(failure)) = of.reading.outcome() {
+                if of.beat.is_none() {
+                    of.is_silent = true;
+                    continue;
+                }
                 let message = format!("{}: {failure}; nothing was sent", vehicle.id);
                 return Err(FlightError::Transfer(message));
             }
@@ -208,14 +252,14 @@ impl<'a> Observer<'a> {
                 }
                 _ if !of.beat.is_some_and(is_known) => {}
                 Message::MissionCurrent { seq, total, .. } => {
-                    of.current = Some((*seq, *total));
+                    (of.current, of.moved) = (Some((*seq, *total)), now);
                 }
-                Message::Flight(FlightMessage::Position(position)) => {
-                    of.position = Some(*position);
-                    if position.is_known() {
-                        of.flown.push((unix_ms(), *position));
-                    }
+                // One without a fix says 0, 0.
+                Message::Flight(FlightMessage::Position(position)) if position.is_known() => {
+                    (of.position, of.moved) = (Some(*position), now);
+                    of.flown.push((unix_ms(), *position));
                 }
+                Message::Mission(_) => of.moved = now,
                 _ => {}
             }
         }

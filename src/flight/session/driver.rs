@@ -1,5 +1,6 @@
 //! The driver of a fleet in flight: clock, links and record.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -14,12 +15,12 @@ use crate::flight::document::flight_json;
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::page::flight_page;
-use crate::flight::record::Plan;
 use crate::flight::record::interrupted::Interrupted;
 use crate::flight::record::journal::Journal;
 use crate::flight::record::lines::Line;
 use crate::flight::record::read::read_record;
-use crate::flight::record::underway::Underway;
+use crate::flight::record::underway::{Ended, Underway};
+use crate::flight::record::{Flown, Plan};
 use crate::formats::write_file;
 use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
@@ -57,6 +58,9 @@ pub struct Driver<'a> {
     unwritten: Vec<String>,
     /// Bytes read from the lines of `replan`.
     read: usize,
+    /// T0, milliseconds since 1970, and the vehicles whose end was announced.
+    t0_unix_ms: Option<u64>,
+    ended: Vec<String>,
 }
 
 /// The verdict on a flight, by its record.
@@ -81,6 +85,8 @@ impl<'a> Driver<'a> {
             underway,
             unwritten: Vec::new(),
             read: 0,
+            t0_unix_ms: underway.notice.t0_unix_ms,
+            ended: underway.notice.ended.keys().cloned().collect(),
         }
     }
 
@@ -189,7 +195,8 @@ impl<'a> Driver<'a> {
         while let Some(event) = fleet.poll_event() {
             if event.vehicle.is_none() && event.text == BEGUN {
                 let t0_unix_ms = unix_ms();
-                let announced = self.underway.announce(Some(t0_unix_ms));
+                self.t0_unix_ms = Some(t0_unix_ms);
+                let announced = self.underway.announce(self.t0_unix_ms, fleet.ended());
                 self.note_unwritten(fleet, operator, announced);
                 self.remove_newest();
                 let t0_unix_s = t0_unix_ms / 1000;
@@ -216,6 +223,17 @@ impl<'a> Driver<'a> {
         lines.extend(self.journal.fresh(fleet.flown()));
         let written = self.journal.put(&lines);
         self.note_unwritten(fleet, operator, written);
+        self.announce_ends(fleet, operator);
+    }
+
+    /// Says who is down: neither `replan` nor one who takes the flight over waits for those, which may be switched off.
+    fn announce_ends(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
+        if self.t0_unix_ms.is_none() || fleet.down().eq(self.ended.iter().map(String::as_str)) {
+            return;
+        }
+        self.ended = fleet.down().map(str::to_owned).collect();
+        let announced = self.underway.announce(self.t0_unix_ms, fleet.ended());
+        self.note_unwritten(fleet, operator, announced);
     }
 
     /// Takes in the lines of `replan`. It writes them before it sends, so what a vehicle was heard to hold until now
@@ -271,7 +289,8 @@ impl<'a> Driver<'a> {
     /// # Errors
     /// [`FlightError::Record`]: the record breaks off, so that it cannot be judged.
     pub fn record_ends(&mut self, fleet: &Fleet<'_>) -> Result<(), FlightError> {
-        let ends = fleet.flown();
+        // One that was not heard can be taken over later, and one of an earlier record has its end in it.
+        let ends = fleet.unrecorded_ends();
         let ends = ends.map(|(vehicle, flown)| Line::of_end(vehicle, flown).text());
         let ends: Vec<String> = ends.collect();
         let ended = self.journal.put(&ends);
@@ -328,8 +347,42 @@ impl Fleet<'_> {
     #[must_use]
     pub fn in_the_air(&self) -> Vec<&str> {
         let stays = |end: &End| matches!(end, End::Held | End::LeftFlying | End::Loitering);
-        let flown = self.flown().filter(|(_, flown)| stays(&flown.end));
-        flown.map(|(vehicle, _)| vehicle).collect()
+        let vehicles = self.vehicles.iter();
+        let up = vehicles.filter(|of| stays(&of.flown.end) || of.is_left_up());
+        up.map(|of| of.of.vehicle).collect()
+    }
+
+    /// Those that were not heard since their flight was taken over.
+    #[must_use]
+    pub fn unheard(&self) -> Vec<&str> {
+        let vehicles = self.vehicles.iter();
+        let unheard = vehicles.filter(|of| of.is_unheard());
+        unheard.map(|of| of.of.vehicle).collect()
+    }
+
+    /// The vehicles whose flight is over and whose motors stand.
+    fn down(&self) -> impl Iterator<Item = &str> {
+        let vehicles = self.vehicles.iter();
+        vehicles
+            .filter(|of| of.is_known_down())
+            .map(|of| of.of.vehicle)
+    }
+
+    /// How the flights of those ended, by id.
+    #[must_use]
+    pub fn ended(&self) -> BTreeMap<String, Ended> {
+        let vehicles = self.vehicles.iter().filter(|of| of.is_known_down());
+        let ended = vehicles.map(|of| {
+            let (end, t_s) = (of.flown.end.words().to_owned(), of.flown.until_s);
+            (of.of.vehicle.to_owned(), Ended { end, t_s })
+        });
+        ended.collect()
+    }
+
+    fn unrecorded_ends(&self) -> impl Iterator<Item = (&str, &Flown)> {
+        let vehicles = self.vehicles.iter();
+        let due = vehicles.filter(|of| !of.is_unheard() && !of.has_recorded_end());
+        due.map(|of| (of.of.vehicle, &of.flown))
     }
 }
 
@@ -360,6 +413,11 @@ fn replan_lines(
             fleet.heed_plan(now, &vehicle, (given_s, plan));
             let text = "is sent another plan by replan".to_owned();
             (line, Some(vehicle), text)
+        }
+        Ok(Line::Event { vehicle, event, .. }) => {
+            let event = Event::new(t_s, vehicle, event);
+            let _ = operator.event(&event);
+            return vec![Line::of_event(&event).text()];
         }
         _ => return vec![line],
     };

@@ -112,6 +112,10 @@ pub struct Fleet<'a> {
     refusals: Vec<(String, String)>,
     /// When [`Fleet::handle_timeout`] was last called.
     last: Time,
+    /// When it is said next whom it waits for.
+    awaited_due: Time,
+    /// When the flight was taken over, seconds after T0; 0 of one that was not.
+    since_s: f64,
     /// The times that this program was stopped for, seconds after T0.
     stops: VecDeque<(f64, f64)>,
     /// Orders that are not recorded yet.
@@ -152,6 +156,8 @@ impl<'a> Fleet<'a> {
             waits: false,
             refusals: Vec::new(),
             last: now,
+            awaited_due: now + start::FIRST_MS,
+            since_s: 0.0,
             stops: VecDeque::new(),
             orders: VecDeque::new(),
             troubles: Vec::new(),
@@ -238,7 +244,10 @@ impl<'a> Fleet<'a> {
             vehicle.tick(now, interval_us);
         }
         match self.phase {
-            Phase::Checking => self.look_whether_all_are_ready(now),
+            Phase::Checking => {
+                self.say_who_is_awaited(now);
+                self.look_whether_all_are_ready(now);
+            }
             Phase::Arming { until, again } => self.look_whether_all_are_armed(now, until, again),
             Phase::Abandoning => self.look_whether_all_are_disarmed(),
             Phase::Flying { t0_ms } => self.watch(now, t0_ms),
@@ -400,9 +409,13 @@ impl<'a> Fleet<'a> {
         }
         self.look_for_the_lost(now, t_s);
         self.look_for_alarms(now);
-        if t_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
+        self.look_for_plans(now, t_s);
+        // One that is taken over late has the same time from then on: it was not heard yet.
+        if t_s - self.since_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
             for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
-                if !matches!(vehicle.stage, Stage::Ended | Stage::Disarming(_)) {
+                if matches!(vehicle.stage, Stage::Rejoining { .. }) {
+                    vehicle.give_up_unheard();
+                } else if !matches!(vehicle.stage, Stage::Ended | Stage::Disarming(_)) {
                     let why = format!("has not ended its flight {t_s:.0} s after T0");
                     vehicle.give_up(why, *is_lost);
                 }

@@ -13,6 +13,10 @@ const LIFTOFF_S: f64 = 5.0;
 /// Vehicles are armed again this often before nothing is started.
 const MOST_AGAIN: u8 = 6;
 
+/// It is said whom the flight waits for after this time, and then so often, milliseconds.
+pub(super) const FIRST_MS: u64 = 10_000;
+const EVERY_MS: u64 = 30_000;
+
 /// The event of T0: of no vehicle, whatever texts those send.
 pub(super) const BEGUN: &str = "all are armed: T0";
 
@@ -61,8 +65,24 @@ impl Fleet<'_> {
         let mut why = std::mem::take(&mut self.refusals);
         let armed = self.vehicles.iter().filter_map(|c| c.still_armed.clone());
         why.extend(armed.map(|text| (String::new(), text)));
+        let set = self.vehicles.iter();
+        why.extend(set.filter_map(|c| Some((c.of.vehicle.to_owned(), c.was_set()?))));
         self.outcome = Some(Outcome::NotStarted(why));
         self.phase = Phase::Ended;
+    }
+
+    /// Says whom it waits for, and for what of each.
+    pub(super) fn say_who_is_awaited(&mut self, now: Time) {
+        if now < self.awaited_due {
+            return;
+        }
+        self.awaited_due = now + EVERY_MS;
+        let vehicles = self.vehicles.iter();
+        let awaited = vehicles.filter_map(|of| Some((of.of.vehicle.to_owned(), of.awaited()?)));
+        let awaited: Vec<(String, String)> = awaited.collect();
+        for (vehicle, what) in awaited {
+            self.say(now, Some(vehicle), format!("is waited for: {what}"));
+        }
     }
 
     pub(super) fn look_whether_all_are_ready(&mut self, now: Time) {
@@ -193,6 +213,11 @@ impl Fleet<'_> {
                 return self.abandon(now, changed);
             }
             let t0_ms = self.flight_ms(now);
+            if let Some(alarms) = &mut self.alarms {
+                for (index, vehicle) in self.vehicles.iter().enumerate() {
+                    alarms.hold_to(index, vehicle.checked());
+                }
+            }
             self.phase = Phase::Flying { t0_ms };
             self.say(now, None, BEGUN.to_owned());
             self.say_unreported(now);

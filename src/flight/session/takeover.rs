@@ -41,10 +41,14 @@ impl<'a> Fleet<'a> {
         let since_ms = unix_ms.saturating_sub(flight.t0_unix_ms()) as f64 * options.speedup;
         let t0_ms = fleet.flight_ms(now) - since_ms;
         fleet.phase = Phase::Flying { t0_ms };
+        fleet.since_s = since_ms / 1000.0;
         for vehicle in &mut fleet.vehicles {
             if let Some(recorded) = flight.flight(vehicle.of.vehicle) {
                 vehicle.take_over(recorded, t0_ms);
                 vehicle.total.next = sent(recorded);
+            }
+            if let Some(ended) = flight.ended(vehicle.of.vehicle) {
+                vehicle.take_over_ended(ended);
             }
         }
         let (from_s, t_s) = (flight.until_s(), since_ms / 1000.0);

@@ -31,6 +31,7 @@ use crate::mission::{Home, VehicleMission};
 use crate::spec::Action;
 pub(super) use arming::ARMING_MS;
 use arming::{Arming, Disarming, SeenDisarmed};
+use checks::Checked;
 use ending::Motors;
 use hold::HoldWatch;
 use texts::Texts;
@@ -134,6 +135,8 @@ pub(crate) struct Totals {
     pub(crate) ready: Option<usize>,
     /// The plan that it is sent in flight, and its number of items: it flies it from when it holds as many.
     pub(crate) next: Option<(usize, Reference)>,
+    /// When it was sent, seconds after T0; none once it was said that it does not hold it.
+    pub(crate) sent_s: Option<f64>,
 }
 
 /// Whether it stays in the air at the end of its mission. It is monitored as long as others fly.
@@ -193,6 +196,7 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) texts: Texts,
     /// Items on board without home, as the vehicle says.
     pub(crate) total: Totals,
+    checked: Checked,
     airborne: bool,
     /// Heartbeats in a row that show its motors to stand, and to run, while it flies or after that.
     pub(crate) motors: Motors,
@@ -288,6 +292,7 @@ impl<'a> FlightVehicle<'a> {
             invalid_positions: 0,
             texts: Texts::default(),
             total: Totals::default(),
+            checked: Checked::default(),
             airborne: false,
             motors: Motors::default(),
             instruction: None,
@@ -346,6 +351,7 @@ impl<'a> FlightVehicle<'a> {
         if let Some((address, _)) = self.vehicle {
             self.request(now, address, interval_us);
             if let Some(settings) = &mut self.settings {
+                settings.take_round_trip(self.checked.round_trip_ms);
                 let message = settings.poll(now, address);
                 self.outbox.extend(message);
             }

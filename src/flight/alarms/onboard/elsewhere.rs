@@ -5,14 +5,13 @@ use crate::flight::launch::readiness;
 use crate::link::{Address, List, Message};
 use crate::mission::{Home, VehicleMission};
 
-/// Home moves by less than this where an autopilot gets a better position, metres.
-const HOME_MOVES_M: f64 = 15.0;
-
 /// What differs in flight of home, fence and rally points: a return was judged to those of the plan.
 #[derive(Debug, Default)]
 pub(super) struct Elsewhere {
     /// Home as it was said last before the flight, and what it is now if that is another place.
     home: Option<Home>,
+    /// Whether it was compared with that of the plan before T0: then it is held against that one.
+    is_checked: bool,
     pub(super) moved: Option<String>,
     /// The ids of the fence and of the rally points, and since when they are others, seconds after T0.
     ids: [Option<u32>; 2],
@@ -61,7 +60,8 @@ impl Elsewhere {
                     amsl_m,
                 };
                 if flies {
-                    self.moved = moved(self.home.as_ref().unwrap_or(&mission.home), &home);
+                    let said = self.home.as_ref().filter(|_| !self.is_checked);
+                    self.moved = moved(said.unwrap_or(&mission.home), &home);
                 } else {
                     self.home = Some(home);
                 }
@@ -98,6 +98,17 @@ impl Elsewhere {
 }
 
 impl Elsewhere {
+    /// Its flight begins, with the ids that its fence and its rally points had when they were read.
+    pub(super) fn begin(&mut self, ids: Option<[u32; 3]>, is_home_checked: bool, planned: &Home) {
+        if let Some([_, fence, rally]) = ids {
+            self.ids = [Some(fence), Some(rally)];
+        }
+        self.is_checked = is_home_checked;
+        if is_home_checked {
+            self.moved = self.home.as_ref().and_then(|now| moved(planned, now));
+        }
+    }
+
     /// What is wrong with a list, by its place in [`LISTS`].
     pub(super) fn list(&self, at: usize, t_s: f64) -> Option<&str> {
         let is_other = self.others_s[at].is_some_and(|since_s| t_s - since_s >= HEARD_OF_S);
@@ -106,10 +117,7 @@ impl Elsewhere {
     }
 }
 
-/// In what a home differs from the one before, if it is another place.
 fn moved(before: &Home, now: &Home) -> Option<String> {
-    let across_m = readiness::place(before).chord_m(readiness::place(now));
-    let up_m = f64::from(now.amsl_m) - f64::from(before.amsl_m);
-    let off_m = across_m.max(up_m.abs());
-    (off_m > HOME_MOVES_M).then(|| format!("its home was moved by {off_m:.0} m in flight"))
+    let off_m = readiness::home_moved_m(before, now)?;
+    Some(format!("its home was moved by {off_m:.0} m in flight"))
 }

@@ -72,8 +72,26 @@ impl<'a> Fleet<'a> {
         };
         vehicle.progress.add_mission(&plan);
         vehicle.total.next = Some((plan.items, plan.reference.clone()));
+        vehicle.total.sent_s = Some(given_s);
         if let Some(alarms) = &mut self.alarms {
             alarms.replan(t_s, index, plan);
+        }
+    }
+
+    /// Says of a vehicle once that the time of a transfer is out, and that it does not hold the plan.
+    pub(super) fn look_for_plans(&mut self, now: Time, t_s: f64) {
+        for index in 0..self.vehicles.len() {
+            let until_s = self.alarms.as_ref().and_then(|of| of.waits_until_s(index));
+            let vehicle = &mut self.vehicles[index];
+            if until_s.is_some_and(|until_s| t_s >= until_s)
+                && let Some(sent_s) = vehicle.total.sent_s.take()
+            {
+                let id = vehicle.of.vehicle.to_owned();
+                let text = format!(
+                    "does not hold the plan that replan sent at T0+{sent_s:.0} s: it flies the one before"
+                );
+                self.say(now, Some(id), text);
+            }
         }
     }
 

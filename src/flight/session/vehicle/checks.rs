@@ -27,6 +27,17 @@ const HEALTH_US: f32 = 500_000.0;
 /// A current item that was not said for this long is requested again, milliseconds.
 const STALE_MS: u64 = 3000;
 
+/// The ids of its mission, fence and rally points.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Checked {
+    /// As it says them now; none where it says none.
+    now: Option<[u32; 3]>,
+    /// When all was as planned.
+    ids: Option<[u32; 3]>,
+    /// How long its last answer to a question for its time took, milliseconds.
+    pub(super) round_trip_ms: u64,
+}
+
 impl FlightVehicle<'_> {
     /// Goes on with the transfer or the checks.
     pub(crate) fn work(&mut self, now: Time) {
@@ -67,9 +78,14 @@ impl FlightVehicle<'_> {
             }
             Stage::Checking { until } => {
                 let until = *until;
+                if self.set_params && !self.may_be_set(until) {
+                    return;
+                }
                 let outcome = self.settings.as_ref().and_then(SettingsCheck::outcome);
-                let is_known =
-                    self.home.is_some() && self.latest.is_some() && !self.lacks_version();
+                let is_known = self.home.is_some()
+                    && self.latest.is_some()
+                    && self.item_at.is_some()
+                    && !self.lacks_version();
                 if let Some(differences) = outcome
                     && (is_known || now >= until)
                 {
@@ -88,13 +104,75 @@ impl FlightVehicle<'_> {
         }
         // What it said while its mission was sent does not count.
         self.total.now = None;
-        let bytewise = self.autopilot().conventions().bytewise_parameters;
-        let planned = &self.of.mission.params;
+        self.checked.now = None;
         self.request_disarm_parameter();
-        self.settings = Some(SettingsCheck::new(planned, self.set_params, bytewise, now));
+        if !self.set_params {
+            self.begin_settings(now);
+        }
         self.stage = Stage::Checking {
             until: now + REPORTING_MS,
         };
+    }
+
+    fn begin_settings(&mut self, now: Time) {
+        let bytewise = self.autopilot().conventions().bytewise_parameters;
+        let planned = &self.of.mission.params;
+        self.settings = Some(SettingsCheck::new(planned, self.set_params, bytewise, now));
+    }
+
+    /// Parameters are set of a vehicle only that stands disarmed at its home, and as long as it does: else it is
+    /// refused.
+    fn may_be_set(&mut self, until: Time) -> bool {
+        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let mut problems = Vec::new();
+        if is_armed {
+            problems.push("it is armed: its parameters are not set".to_owned());
+        }
+        if self.settings.is_none() && self.latest.is_none() {
+            match self.now < until {
+                true if problems.is_empty() => return false,
+                true => {}
+                false => problems.push("it does not say where it is".to_owned()),
+            }
+        }
+        if self.settings.is_none() && !self.force {
+            problems.extend(self.place_problems());
+        }
+        if problems.is_empty() {
+            if self.settings.is_none() {
+                self.begin_settings(self.now);
+            }
+            return true;
+        }
+        if let Some(settings) = &mut self.settings {
+            settings.stop();
+        }
+        self.stage = Stage::Refused(problems);
+        false
+    }
+
+    /// What is waited for before it is ready or refused, in words.
+    pub(in crate::flight::session) fn awaited(&self) -> Option<String> {
+        let text = match &self.stage {
+            _ if self.vehicle.is_none() => "its heartbeat".to_owned(),
+            Stage::Sending(_) => "the transfer of its mission".to_owned(),
+            Stage::Reading(_) => "its mission, fence and rally points".to_owned(),
+            Stage::Checking { .. } if self.latest.is_none() => "its position".to_owned(),
+            Stage::Checking { .. } => match self.settings.as_ref().and_then(SettingsCheck::awaited)
+            {
+                Some(parameter) => parameter,
+                None if self.home.is_none() => "its home".to_owned(),
+                None if self.item_at.is_none() => "which item it flies to".to_owned(),
+                None => "its version".to_owned(),
+            },
+            _ => return None,
+        };
+        Some(text)
+    }
+
+    /// What was set of its parameters, in words.
+    pub(in crate::flight::session) fn was_set(&self) -> Option<String> {
+        self.settings.as_ref().and_then(SettingsCheck::was_set)
     }
 
     /// Whether its version matters and is not known yet.
@@ -120,6 +198,9 @@ impl FlightVehicle<'_> {
         if self.latest.is_none() {
             hard.push("it does not say where it is".to_owned());
         }
+        if self.item_at.is_none() {
+            soft.push("it does not say which item it flies to".to_owned());
+        }
         soft.extend(self.place_problems());
         if self.vehicle.is_some_and(|(_, beat)| beat.is_armed()) {
             hard.push("it is armed".to_owned());
@@ -132,6 +213,7 @@ impl FlightVehicle<'_> {
         }
         hard.extend(soft);
         self.total.ready = self.total.now;
+        self.checked.ids = self.checked.now;
         self.stage = if hard.is_empty() {
             Stage::Ready
         } else {
@@ -172,10 +254,47 @@ impl FlightVehicle<'_> {
         }
         if !self.force {
             problems.extend(self.place_problems());
+            let moved_m = self
+                .home
+                .as_ref()
+                .and_then(|home| readiness::home_moved_m(&self.of.mission.home, home));
+            problems.extend(moved_m.map(|off_m| {
+                format!("its home is {off_m:.0} m from where the plan has it, after it was checked")
+            }));
             problems.extend(battery);
             problems.extend(self.changed_settings());
         }
         problems
+    }
+
+    /// What is on board is compared item by item once; by the ids of its lists that holds from then on.
+    pub(super) fn heed_ids(&mut self, ids: [u32; 3], has_begun: bool) {
+        // One that says no id at all says 0 of each.
+        let said = ids.iter().any(|id| *id != 0).then_some(ids);
+        self.checked.now = said;
+        let is_checked = matches!(self.stage, Stage::Ready | Stage::Arming | Stage::Armed);
+        let (true, false, Some(now)) = (is_checked, has_begun, said) else {
+            return;
+        };
+        let before = *self.checked.ids.get_or_insert(now);
+        let is_other = |at: usize| now[at] != before[at];
+        let what = if before[0] != 0 && now[0] != 0 && is_other(0) {
+            "the mission on board is another one"
+        } else if is_other(1) {
+            "the fence on board is another one"
+        } else if is_other(2) {
+            "the rally points on board are others"
+        } else {
+            return;
+        };
+        self.stage = Stage::Refused(vec![format!(
+            "{what} than when it was read (its id changed): run `sortie fly` again"
+        )]);
+    }
+
+    /// The ids of its mission, fence and rally points when it was checked, and whether its home was compared then.
+    pub(in crate::flight::session) fn checked(&self) -> (Option<[u32; 3]>, bool) {
+        (self.checked.ids, !self.force)
     }
 
     /// Parameters that it says to be others than when they were read.
@@ -225,14 +344,15 @@ impl FlightVehicle<'_> {
             self.outbox
                 .push_back(Message::Flight(FlightMessage::Command { target, order }));
         };
-        if self.home.is_none() {
+        let is_ready = matches!(self.stage, Stage::Ready);
+        // Somebody may move it.
+        if self.home.is_none() || is_ready {
             ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
         }
         if lacks_version {
             ask(Command::request_version());
         }
         let streams = |id| Command::new(Command::SET_MESSAGE_INTERVAL, [id, interval_us]);
-        let is_ready = matches!(self.stage, Stage::Ready);
         let flies = matches!(self.stage, Stage::Starting | Stage::Flying);
         // A position may be the answer to somebody's single request, and no stream follows it.
         if !flies || self.position_at.is_none_or(|at| now - at > STALE_MS) {

@@ -26,6 +26,9 @@ pub(crate) struct Motors {
     pub(crate) is_warned: bool,
     /// Whether it was reported that they must run for longer before it takes off.
     pub(crate) is_awaited: bool,
+    /// Whether it was not heard since its flight was taken over; and whether its end was recorded before.
+    pub(super) is_unheard: bool,
+    pub(super) is_recorded: bool,
     stand: u8,
     pub(super) run: u8,
     /// Whether its flight ended because they stood, or were ordered to on the ground.

@@ -98,11 +98,17 @@ impl FlightVehicle<'_> {
             Message::AutopilotVersion {
                 flight_software, ..
             } => self.version = Version::of_flight_software(*flight_software).or(self.version),
-            Message::MissionCurrent { seq, total, .. } => {
+            Message::MissionCurrent {
+                seq,
+                total,
+                opaque_ids,
+                ..
+            } => {
                 (self.item, self.item_at) = (self.row(*seq), Some(now));
                 let is_known = (1..u16::MAX).contains(total);
                 self.total.now = is_known.then_some(usize::from(*total));
                 self.heed_total(t0_ms.is_some());
+                self.heed_ids(*opaque_ids, t0_ms.is_some());
                 let now = self.total.now;
                 let taken = self.total.next.take_if(|(items, _)| Some(*items) == now);
                 if let Some((_, reference)) = taken {
@@ -207,6 +213,7 @@ impl FlightVehicle<'_> {
         {
             return;
         }
+        let round_trip_ms = (now_ms - asked_ms).unsigned_abs();
         #[expect(
             clippy::cast_precision_loss,
             reason = "milliseconds of one flight, and since boot"
@@ -219,6 +226,7 @@ impl FlightVehicle<'_> {
         // The fleet's clock goes evenly.
         let sent_ms = flight_ms * (asked_ms / now_ms);
         self.offset.answered(boot_ms, sent_ms, flight_ms);
+        self.checked.round_trip_ms = round_trip_ms;
     }
 
     /// It has taken a picture; of many along the way every tenth is said.

@@ -6,6 +6,7 @@ use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::itinerary::progress::Progress;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::Flight;
+use crate::flight::record::underway::Ended;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 
@@ -29,6 +30,55 @@ impl FlightVehicle<'_> {
         self.settings = Some(SettingsCheck::of_flight(planned, bytewise, self.now));
         let ordered = None;
         self.stage = Stage::Rejoining { known, ordered };
+    }
+
+    /// Its flight was over before it was taken over. One of the record has its last line there.
+    pub(in crate::flight::session) fn take_over_ended(
+        &mut self,
+        (ended, is_recorded): (Ended, bool),
+    ) {
+        self.flown.end = End::of_words(&ended.end);
+        self.flown.until_s = ended.t_s;
+        (self.motors.ended, self.motors.is_recorded) = (!is_recorded, is_recorded);
+        self.said
+            .push_back(format!("its flight is over: {}", self.flown.end.sentence()));
+        self.stage = Stage::Ended;
+    }
+
+    /// It was not heard since its flight was taken over: nothing is recorded of its end.
+    pub(in crate::flight::session) fn give_up_unheard(&mut self) {
+        let text =
+            "was not heard since the flight was taken over: whether it is in the air is not known";
+        self.said.push_back(text.to_owned());
+        self.motors.is_unheard = true;
+        self.stage = Stage::Ended;
+    }
+
+    pub(in crate::flight::session) fn is_unheard(&self) -> bool {
+        self.motors.is_unheard
+    }
+
+    /// Whether its end is in the record that was taken over.
+    pub(in crate::flight::session) fn has_recorded_end(&self) -> bool {
+        self.motors.is_recorded
+    }
+
+    /// Whether it is in the air at the end, and a heartbeat shows it.
+    pub(in crate::flight::session) fn is_left_up(&self) -> bool {
+        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let is_failed = matches!(self.flown.end, End::Failed(_));
+        matches!(self.stage, Stage::Ended)
+            && is_failed
+            && is_armed
+            && self.airborne
+            && !self.is_down()
+    }
+
+    /// Whether its flight is over and its motors were seen to stand.
+    pub(in crate::flight::session) fn is_known_down(&self) -> bool {
+        let is_safe = self.heartbeat_now().is_some_and(|beat| !beat.is_armed());
+        let is_over = matches!(self.stage, Stage::Ended) && self.flown.end != End::NotFlown;
+        is_over && self.still_armed.is_none() && (self.motors.ended || is_safe)
     }
 
     /// Decides where it is on its flight, once it was heard: by a position, or by heartbeats that show it armed.
