@@ -544,6 +544,68 @@ fn actions_that_arducopter_would_drop_at_the_end_of_a_hold_fail() {
     );
 }
 
+/// Commands that the verdict took for run where their rows are.
+#[test]
+fn actions_behind_a_condition_or_a_jump_are_not_done_there() {
+    let mut spec = round(Autopilot::ArduPilot);
+    spec.vehicles[0].stops[1].heading_rad = Some(1.0);
+    spec.vehicles[0].stops[1].actions = vec![StopAction::Gripper { grabs: false }];
+    let (world, done) = dispatched(&spec);
+    let mission = &done.missions[0].1;
+    let row = |number: u16| mission.items.iter().position(|item| item.command == number);
+    let (yaw, load) = (row(command::CONDITION_YAW), row(command::DO_GRIPPER));
+    let (yaw, load) = (yaw.expect("encoded"), load.expect("encoded"));
+    let judged = |change: &dyn Fn(&mut Vec<Item>)| {
+        let mut changed = mission.clone();
+        change(&mut changed.items);
+        failed(&review(&spec, &world, &[(0, &changed)]))
+    };
+    let delay = |seconds: f32| Item {
+        command: command::CONDITION_DELAY,
+        params: [seconds, 0.0, 0.0, 0.0],
+        ..mission.items[load]
+    };
+    let late = judged(&|items| items.insert(load, delay(600.0)));
+    let action = "action 1 (gripper): CONDITION_DELAY at item";
+    assert_eq!(late.len(), 1, "{late:?}");
+    assert!(late[0].contains(action), "{late:?}");
+    let late = judged(&|items| items.insert(yaw, delay(600.0)));
+    assert!(
+        late[0].contains("the turn to 57 degrees: CONDITION_DELAY"),
+        "{late:?}"
+    );
+    // Past it to what is after it: ArduPilot counts home.
+    let past = judged(&|items| {
+        let to = f32::from(u16::try_from(load + 3).expect("few items"));
+        let jump = Item {
+            command: command::DO_JUMP,
+            params: [to, 1.0, 0.0, 0.0],
+            ..mission.items[load]
+        };
+        items.insert(load, jump);
+    });
+    assert!(
+        past[0].contains("action 1 (gripper): DO_JUMP at item"),
+        "{past:?}"
+    );
+    let slow = judged(&|items| items[yaw].params[1] = 1.0);
+    let takes = "the turn to 57 degrees takes up to 180 s, and the hold after it ends before";
+    assert!(slow[0].contains(takes), "{slow:?}");
+    // The same load, let go on the way by the function of a switch.
+    let stray = judged(&|items| {
+        let switch = Item {
+            command: command::DO_AUX_FUNCTION,
+            params: [19.0, 0.0, 0.0, 0.0],
+            ..mission.items[load]
+        };
+        items.insert(yaw - 2, switch);
+    });
+    let moved = stray
+        .iter()
+        .any(|note| note.contains("load moved elsewhere: DO_AUX_FUNCTION"));
+    assert!(moved, "{stray:?}");
+}
+
 #[test]
 fn start_and_goal_have_actions_and_pictures_are_taken_along_the_way() {
     for (autopilot, finish) in [

@@ -405,3 +405,40 @@ tasks:
         assert_eq!(broken, Vec::<String>::new(), "{endurance_s} s");
     }
 }
+
+#[test]
+fn pictures_behind_a_condition_do_not_count_and_lines_are_flown_with_their_speed() {
+    let mut sweep = field(Vec::new(), None);
+    sweep.speed_mps = Some(5.0);
+    let spec = spec(Autopilot::ArduPilot, 1, sweep);
+    let planned = dispatched(&spec);
+    assert!(planned.1.review.passes(), "{:?}", failed(&planned.1.review));
+    let late = judged(&spec, &planned, &|items| {
+        let is_switch = |item: &Item| item.command == command::DO_SET_CAM_TRIGG_DIST;
+        let delayed = items.iter().flat_map(|item| {
+            let delay = Item {
+                command: command::CONDITION_DELAY,
+                params: [600.0, 0.0, 0.0, 0.0],
+                ..*item
+            };
+            [is_switch(item).then_some(delay), Some(*item)]
+        });
+        *items = delayed.flatten().collect();
+    });
+    assert!(
+        late.iter()
+            .any(|note| note.contains("area covered of task field")),
+        "{late:?}"
+    );
+    let fast = judged(&spec, &planned, &|items| {
+        for item in items {
+            if item.command == command::DO_CHANGE_SPEED && item.params[1] < 9.0 {
+                item.params[1] = 10.0;
+            }
+        }
+    });
+    assert!(
+        fast.iter().any(|note| note.contains("copter1: speed")),
+        "{fast:?}"
+    );
+}

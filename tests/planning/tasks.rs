@@ -4,7 +4,7 @@ use crate::support;
 
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::geodesy::LatLon;
-use sortie::mission::{VehicleMission, command};
+use sortie::mission::{Item, VehicleMission, command};
 use sortie::spec::*;
 use sortie::verify::{Limit, Review, review};
 use sortie::world::World;
@@ -229,6 +229,47 @@ fn a_vehicle_waits_for_a_window_and_the_verdict_holds_the_begin_against_it() {
         assert_eq!(left.len(), 1);
         assert!(left[0].why.contains("window"), "{left:?}");
         assert!(!done.review.passes());
+    }
+}
+
+#[test]
+fn what_is_done_behind_a_long_hold_begins_after_it() {
+    let mut spec = shared(Autopilot::ArduPilot);
+    spec.tasks[0].stops[0].window_s = Some(Span {
+        least: 60.0,
+        most: 400.0,
+    });
+    spec.tasks[0].stops[0].actions = vec![StopAction::Gripper { grabs: false }];
+    let (world, done) = dispatched(&spec);
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+    for number in [command::NAV_LOITER_TIME, command::NAV_DELAY] {
+        let mut missions = done.missions.clone();
+        let items = &mut missions[1].1.items;
+        let load = items
+            .iter()
+            .position(|item| item.command == command::DO_GRIPPER);
+        let load = load.expect("encoded");
+        let here = items[..load]
+            .iter()
+            .rfind(|item| item.command == command::NAV_WAYPOINT);
+        let here = *here.expect("a waypoint");
+        let hold = match number {
+            command::NAV_DELAY => Item {
+                command: number,
+                params: [600.0, -1.0, -1.0, -1.0],
+                ..items[load]
+            },
+            _ => Item {
+                command: number,
+                params: [600.0, 0.0, 0.0, 0.0],
+                ..here
+            },
+        };
+        items.insert(load, hold);
+        let missions: Vec<_> = missions.iter().map(|(index, one)| (*index, one)).collect();
+        let failed = failed(&review(&spec, &world, &missions));
+        let window = |note: &String| note.contains("window of task visit");
+        assert!(failed.iter().any(window), "{number}: {failed:?}");
     }
 }
 

@@ -753,6 +753,50 @@ fn a_fence_that_lost_a_part_fails_where_the_file_could_hold_it() {
     assert!(judge(&spec, &[&turned]).passes());
 }
 
+#[test]
+fn a_fence_that_keeps_nobody_in_fails_though_all_of_it_is_there() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let (mut spec, _) = one();
+        spec.vehicles[0].autopilot = autopilot;
+        let world = world(&spec);
+        let routes = [timed(&world, west(), east(), GROUND_M + 80.0)];
+        let whole = build(&spec, &world, 0, &routes).expect("a mission");
+        assert!(find(&judge(&spec, &[&whole]), Limit::FenceComplete).ok);
+        // PX4 keeps inside of any one inclusion, ArduPilot inside of all.
+        let mut other = whole.clone();
+        let mut wider = whole.fence[..4].to_vec();
+        for corner in &mut wider {
+            corner.x += if corner.x > 363_000_000 {
+                500_000
+            } else {
+                -500_000
+            };
+        }
+        other.fence.extend(wider);
+        let review = judge(&spec, &[&other]);
+        let margin = find(&review, Limit::FenceComplete);
+        assert_eq!(
+            margin.ok,
+            autopilot == Autopilot::ArduPilot,
+            "{}",
+            margin.note
+        );
+        let switches: &[(&str, f32)] = match autopilot {
+            Autopilot::ArduPilot => &[("FENCE_ENABLE", 0.0), ("FENCE_TYPE", 0.0)],
+            Autopilot::Px4 => &[("GF_ACTION", 0.0)],
+        };
+        for (name, value) in switches {
+            let mut off = whole.clone();
+            let param = off.params.iter_mut().find(|param| param.name == *name);
+            param.expect("planned").value = *value;
+            let note = only_failure(&judge(&spec, &[&off]), Limit::FenceComplete)
+                .note
+                .clone();
+            assert!(note.contains(name), "{note}");
+        }
+    }
+}
+
 /// What a case does to a clean mission.
 type Change<'a> = &'a dyn Fn(&mut VehicleMission);
 

@@ -121,7 +121,9 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
             continue;
         }
         match item.command {
-            112 | 114 | 115 => waiting = true,
+            command::CONDITION_DELAY | command::CONDITION_DISTANCE | command::CONDITION_YAW => {
+                waiting = true;
+            }
             command if command <= NAV_LAST => waiting = false,
             command::DO_CHANGE_SPEED if waiting => {
                 let why = "a change of speed that waits for a condition comes at no known time";

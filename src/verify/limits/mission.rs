@@ -6,6 +6,8 @@ mod aim;
 pub(crate) mod coverage;
 mod ends;
 mod fence;
+mod held_up;
+mod line_speed;
 mod param_fence;
 mod stops;
 pub(crate) mod tasks;
@@ -232,13 +234,17 @@ impl Contract<'_> {
     /// Commanded speeds against the planned one or their range.
     fn speed(&self) -> Option<Margin> {
         let mut worst = Worst::default();
-        for cruise in &self.flight.cruises {
+        let lines = self.lines_with_speeds();
+        for (index, cruise) in self.flight.cruises.iter().enumerate() {
             let Some(chord) = self.flight.chords.get(cruise.chord) else {
                 continue;
             };
             let at = || chord.moment(&self.world.frame, 0.0);
             match (cruise.speed_mps, self.mission.autopilot) {
                 (Some(speed_mps), _) => {
+                    if self.offer_lines(&mut worst, (index, speed_mps), &lines) {
+                        continue;
+                    }
                     let own_mps = match self.speed_since_stop(chord.from_s) {
                         Some(planned_mps) => (speed_mps - planned_mps).abs(),
                         None => self.vehicle.speeds().miss(speed_mps),

@@ -20,6 +20,41 @@ const SAME_M: f64 = 0.5;
 /// A turn of the nose by 180 degrees, seconds.
 const TURN_S: f64 = 4.0;
 
+/// Items that hold a vehicle where it is, and drop what has not run when they end.
+const HOLDS: [u16; 3] = [
+    command::NAV_WAYPOINT,
+    command::NAV_LOITER_TIME,
+    command::NAV_PAYLOAD_PLACE,
+];
+/// Functions of `DO_AUX_FUNCTION` that move what a load may hang on: gripper, winch, relays.
+const LOAD_FUNCTIONS: [f32; 7] = [19.0, 28.0, 34.0, 35.0, 36.0, 66.0, 67.0];
+
+/// How long an item may turn the nose, seconds: half around, with its own rate in degrees a second.
+fn turn_s(item: &Item) -> Option<f64> {
+    let rate = f64::from(item.params[1]);
+    let own_s = if rate > 0.0 { 180.0 / rate } else { 0.0 };
+    (item.command == command::CONDITION_YAW).then_some(TURN_S.max(own_s))
+}
+
+/// The hold of the first item from an index on that has one, seconds. A load is placed for longer than actions take.
+fn hold_after_s(items: &[Item], index: usize) -> Option<f64> {
+    let after = items[index..]
+        .iter()
+        .find(|item| HOLDS.contains(&item.command))?;
+    Some(match after.command {
+        command::NAV_PAYLOAD_PLACE => f64::INFINITY,
+        _ => f64::from(after.params[0]),
+    })
+}
+
+/// Whether an item moves a load by a function of a switch.
+fn switches_load(item: &Item) -> bool {
+    item.command == command::DO_AUX_FUNCTION
+        && LOAD_FUNCTIONS
+            .iter()
+            .any(|function| function.to_bits() == item.params[0].to_bits())
+}
+
 /// The commands of a spec that move loads, by whichever vehicle.
 pub(super) fn load_commands(spec: &MissionSpec) -> BTreeSet<u16> {
     let own = spec.vehicles.iter().flat_map(|vehicle| {
@@ -48,7 +83,7 @@ impl Contract<'_> {
         let mut left = asked.clone();
         let mut stray = Vec::new();
         for item in &self.mission.items {
-            if !commands.contains(&item.command) {
+            if !commands.contains(&item.command) && !switches_load(item) {
                 continue;
             }
             let does = |of: &(&StopAction, &Stop)| self.does(item, of.0, of.1);
@@ -84,9 +119,7 @@ impl Contract<'_> {
         let mut missing: Vec<String> = Vec::new();
         if let Some(heading_rad) = stop.heading_rad {
             let heading_deg = heading_rad.to_degrees();
-            if !items.iter().any(|item| self.turns_nose(item, heading_deg)) {
-                missing.push(format!("no item turns it to {heading_deg:.0} degrees"));
-            }
+            missing.extend(self.not_turned(heading_deg, rest, items));
         }
         missing.extend(self.not_done(stop, rest, items));
         let required = Requirement::at_most(Limit::StopActions(stop.id.clone()), 0.0, "missing");
@@ -106,7 +139,11 @@ impl Contract<'_> {
             let row = index + 1;
             let misses = |expected_m: f64| (set_m - expected_m).abs() > 1e-3;
             match item.command {
-                command::DO_SET_CAM_TRIGG_DIST => set_m = f64::from(item.params[0]),
+                command::DO_SET_CAM_TRIGG_DIST => {
+                    set_m = f64::from(item.params[0]);
+                    let holds_up = self.held_up_by(index).map(|of| self.holds_up(of));
+                    wrong.extend(holds_up.map(|why| format!("item {row}: {why}")));
+                }
                 command if command > command::NAV_LAST => {}
                 _ if row > to && misses(0.0) => {
                     wrong.push(format!("pictures on the way to item {row}"));
@@ -178,6 +215,22 @@ impl Contract<'_> {
         }
     }
 
+    /// Why a vehicle does not turn its nose to a heading in a rest.
+    fn not_turned(&self, heading_deg: f64, rest: &Rest, items: &[Item]) -> Option<String> {
+        let turns = |item: &Item| self.turns_nose(item, heading_deg);
+        let Some(offset) = items.iter().position(turns) else {
+            return Some(format!("no item turns it to {heading_deg:.0} degrees"));
+        };
+        let goal = format!("the turn to {heading_deg:.0} degrees");
+        if let Some(index) = self.held_up_by(rest.rows.0 - 1 + offset) {
+            return Some(format!("{goal}: {}", self.holds_up(index)));
+        }
+        let turn_s = turn_s(&items[offset]).filter(|_| items[offset].params[1] > 0.0)?;
+        let is_short = hold_after_s(items, offset).is_none_or(|hold_s| hold_s < turn_s);
+        is_short
+            .then(|| format!("{goal} takes up to {turn_s:.0} s, and the hold after it ends before"))
+    }
+
     /// Whether every action of a stop is done in a rest.
     pub(super) fn does_all(&self, stop: &Stop, rest: &Rest) -> bool {
         let (first, last) = rest.rows;
@@ -199,6 +252,8 @@ impl Contract<'_> {
                         || self.steers_gimbal(&items[..next]);
                     if !is_steered {
                         missing.push(format!("{}: no item takes control of it", name()));
+                    } else if let Some(index) = self.held_up_by(stay.rows.0 + next - 2) {
+                        missing.push(format!("{}: {}", name(), self.holds_up(index)));
                     } else if !self.is_run(stay, items, next - 1) {
                         let why = match stay.until_s > stay.from_s {
                             true => "the hold after it ends before it",
@@ -226,26 +281,34 @@ impl Contract<'_> {
         if self.mission.autopilot != Autopilot::ArduPilot || puts_down(&items[index]) {
             return true;
         }
-        let holds = [
-            command::NAV_WAYPOINT,
-            command::NAV_LOITER_TIME,
-            command::NAV_PAYLOAD_PLACE,
-        ];
-        let is_waypoint = |item: &&Item| holds.contains(&item.command);
+        let is_waypoint = |item: &&Item| HOLDS.contains(&item.command);
         let before = items[..index].iter().rev();
         let mut needed_s = ACTION_S;
         for item in before.take_while(|item| !is_waypoint(item)) {
-            needed_s += match item.command {
-                command::CONDITION_YAW => TURN_S,
-                _ => ACTION_S,
-            };
+            needed_s += turn_s(item).unwrap_or(ACTION_S);
         }
         if stay.until_s <= stay.from_s {
             return self.until_next_s(stay) >= needed_s;
         }
-        let after = items[index..].iter().find(is_waypoint);
-        // It places a load for longer than actions take to begin.
-        after.is_some_and(|item| puts_down(item) || f64::from(item.params[0]) >= needed_s)
+        hold_after_s(items, index).is_some_and(|hold_s| hold_s >= needed_s)
+    }
+
+    /// Where in the mission the actions of a stop are run in a rest, but for items that other stops have: indices, in
+    /// their order.
+    pub(super) fn acts(&self, stop: &Stop, rest: &Rest, taken: &[usize]) -> Vec<usize> {
+        let (first, last) = rest.rows;
+        let mut found: Vec<usize> = Vec::new();
+        for action in &stop.actions {
+            let from = found.last().map_or(first - 1, |index| index + 1);
+            let items = self.mission.items.iter().enumerate();
+            let items = items.take(last).skip(from);
+            let mut free = items.filter(|(index, _)| !taken.contains(index));
+            found.extend(
+                free.find(|(_, item)| self.does(item, action, stop))
+                    .map(|of| of.0),
+            );
+        }
+        found
     }
 
     /// How long a wing flies past a stop until its autopilot turns to the leg after the next

@@ -10,6 +10,17 @@ const ANGLE_DEG: f64 = 5.0;
 /// Mode of `DO_MOUNT_CONTROL` in which its angles count.
 const MAV_MOUNT_MODE_MAVLINK_TARGETING: f32 = 2.0;
 
+/// Commands that turn the camera.
+const AIMS: [u16; 7] = [
+    command::DO_GIMBAL_MANAGER_PITCHYAW,
+    command::DO_MOUNT_CONTROL,
+    command::DO_MOUNT_CONFIGURE,
+    command::DO_SET_ROI_NONE,
+    command::DO_SET_ROI_LOCATION,
+    command::DO_SET_ROI_WPNEXT_OFFSET,
+    command::DO_SET_ROI,
+];
+
 /// Which items, as indices, turned the camera away.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Aim {
@@ -66,6 +77,10 @@ impl Contract<'_> {
             aim.turned = (!is_down).then_some(index);
             aim.is_steered = true;
         };
+        if AIMS.contains(&item.command) && self.held_up_by(index).is_some() {
+            // Until it is turned anew nobody knows.
+            return steer(aim, false);
+        }
         match item.command {
             // ArduCopter turns its nose again to where it flies with each waypoint.
             command if command <= command::NAV_LAST => aim.nose = None,

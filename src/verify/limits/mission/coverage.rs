@@ -199,8 +199,11 @@ impl Contract<'_> {
             .rposition(|item| item.command == command::DO_SET_CAM_TRIGG_DIST)
     }
 
-    /// The distance of pictures that an item sets; none where it ends them.
+    /// The distance of pictures that an item sets; none where it ends them, or may not run.
     fn trigger_m(&self, item: usize) -> Option<f64> {
+        if self.held_up_by(item).is_some() {
+            return None;
+        }
         let distance_m = f64::from(self.mission.items[item].params[0]);
         (distance_m > 0.0 && distance_m.is_finite()).then_some(distance_m)
     }

@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use super::{Contract, count};
+use crate::autopilot::Autopilot;
 use crate::geodesy::LatLon;
 use crate::mission::{self, FENCE_REACH_S, Item, command};
 use crate::verify::limits::fence::{Fence, boundaries, covers, holds};
@@ -67,15 +68,59 @@ impl Contract<'_> {
                 is_exclusion && held.needs > self.vehicle.fence_capacity()
             });
         let required = Requirement::at_most(Limit::FenceComplete, 0.0, "missing");
-        let mut complete = required.margin(self.id(), count(missing.len()), None);
-        if !missing.is_empty() {
-            let names: Vec<String> = missing.into_iter().map(|(name, _)| name).collect();
-            complete.note = format!("not in the fence: {}", names.join(", "));
-        }
+        let unwatched = self.unwatched();
+        let problems = missing.len() + unwatched.len();
+        let mut complete = required.margin(self.id(), count(problems), None);
+        let names: Vec<String> = missing.into_iter().map(|(name, _)| name).collect();
+        let absent = (!names.is_empty()).then(|| format!("not in the fence: {}", names.join(", ")));
+        let notes: Vec<String> = absent.into_iter().chain(unwatched).collect();
+        complete.note = notes.join("; ");
         let mut margins = vec![complete];
         margins.extend(self.wider(&held.wider));
         margins.extend(self.left_out(&left_out));
         margins
+    }
+
+    /// Why boundaries are in the fence and keep nobody in or out.
+    fn unwatched(&self) -> Vec<String> {
+        let pieces = mission::fence_pieces(self.spec);
+        if pieces.is_empty() {
+            return Vec::new();
+        }
+        let mut why = Vec::new();
+        if self.mission.autopilot == Autopilot::Px4 {
+            // It keeps inside of any one of its inclusions.
+            let own = |boundary: &&&[Item]| pieces.iter().any(|(_, items)| holds(boundary, items));
+            let found = boundaries(&self.mission.fence);
+            let others = found.iter().filter(|boundary| {
+                boundary.first().is_some_and(|item| {
+                    !is_exclusion(item) && item.command != command::FENCE_RETURN_POINT
+                }) && !own(boundary)
+            });
+            let others = others.count();
+            if others > 0 {
+                why.push(format!(
+                    "{others} inclusions beside those of the spec: PX4 keeps the vehicle inside of any one of them"
+                ));
+            }
+        }
+        let value = |name: &str| self.mission.param(name);
+        let (switch, kinds) = ("FENCE_ENABLE", "FENCE_TYPE");
+        let is_armed_on = value("FENCE_AUTOENABLE").is_some_and(|value| value > 0.0);
+        if value(switch).is_some_and(|value| value < 0.5) && !is_armed_on {
+            why.push(format!("{switch} is 0: nothing watches it"));
+        }
+        // Bit 2: polygons and circles.
+        let watches = |value: f64| (value / 4.0).floor().rem_euclid(2.0) >= 1.0;
+        if let Some(other) = value(kinds).filter(|value| !watches(*value)) {
+            why.push(format!(
+                "{kinds} is {other}: polygons and circles are not watched (4)"
+            ));
+        }
+        if value("GF_ACTION").is_some_and(|value| value < 0.5) {
+            why.push("GF_ACTION is 0: nothing watches it".to_owned());
+        }
+        why
     }
 
     fn held(&self) -> Held<'_> {

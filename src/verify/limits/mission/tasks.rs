@@ -1,10 +1,12 @@
 //! Tasks: one vehicle visits the places of each in order, for its time, and does there what the
 //! spec wants. Any vehicle may do a task; several may be done in one rest.
 
+use std::collections::BTreeMap;
+
 use super::Contract;
 use super::actions::load_commands;
 use super::stops::REST_S;
-use crate::mission::{self, command};
+use crate::mission::{self, Item, command};
 use crate::path::takeoff_lateness_s;
 use crate::spec::{MissionSpec, Span, Stop, Task};
 use crate::verify::execute::flight::Rest;
@@ -50,12 +52,17 @@ pub(crate) fn margins(
             }
         })
         .collect();
+    let mut taken: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (task, claim) in spec.tasks.iter().zip(&claims) {
         let Some(claim) = claim else { continue };
         let contract = &contracts[claim.contract];
+        let taken = taken.entry(claim.contract).or_default();
         for (stop, &rest) in task.stops.iter().zip(&claim.rests) {
             let rest = &contract.flight.rests[rest];
-            margins.extend(contract.window(&task.id, stop, rest));
+            let acts = contract.acts(stop, rest, taken);
+            margins.extend(contract.window(&task.id, stop, (rest, acts.first().copied())));
+            // Those of one place are in one order for all of its tasks.
+            taken.extend(acts);
         }
     }
     for (index, contract) in contracts.iter().enumerate() {
@@ -176,7 +183,11 @@ impl<'a> Search<'a> {
         let rest = &contract.flight.rests[rest];
         rest.until_s - rest.from_s + REST_S >= stop.hold_s
             && contract
-                .window("", &stop, rest)
+                .window(
+                    "",
+                    &stop,
+                    (rest, contract.acts(&stop, rest, &[]).first().copied()),
+                )
                 .is_none_or(|margin| margin.ok)
             && contract.done(&stop, rest).is_none_or(|margin| margin.ok)
     }
@@ -213,13 +224,19 @@ impl<'a> Search<'a> {
 }
 
 impl Contract<'_> {
-    /// When what is done in a rest begins, early or late, against the window of its stop.
-    fn window(&self, task: &str, stop: &Stop, rest: &Rest) -> Option<Margin> {
+    /// When what is done in a rest begins, early or late, against the window of its stop; `acts` is the index of the
+    /// item that begins it.
+    fn window(
+        &self,
+        task: &str,
+        stop: &Stop,
+        (rest, acts): (&Rest, Option<usize>),
+    ) -> Option<Margin> {
         let window = stop.window_s?;
         // Actions begin after the holds before them; a hold alone may begin at any time of the rest.
         let (held_s, waits_until_s) = match stop.actions.is_empty() {
             true => (0.0, window.least),
-            false => (self.held_before_actions_s(rest), f64::NEG_INFINITY),
+            false => (self.held_before_s(rest, acts), f64::NEG_INFINITY),
         };
         let shift_s = self.shift_at_s(rest);
         let begins_s = [shift_s.least, shift_s.most]
@@ -251,15 +268,25 @@ impl Contract<'_> {
         }
     }
 
-    /// The holds of a rest before the first item that is no waypoint.
-    fn held_before_actions_s(&self, rest: &Rest) -> f64 {
+    /// How long a vehicle stays in a rest before an item is run; where the time of an item before that is not known,
+    /// all but the holds after it.
+    fn held_before_s(&self, rest: &Rest, index: Option<usize>) -> f64 {
         let (first, last) = rest.rows;
         let items = self.mission.items.get(first - 1..last).unwrap_or_default();
-        let before = items
-            .iter()
-            .take_while(|item| item.command == command::NAV_WAYPOINT);
-        let holds = before.map(|item| f64::from(item.params[0]));
-        holds.sum::<f64>().min(rest.until_s - rest.from_s)
+        let stays_s = rest.until_s - rest.from_s;
+        let (before, after) = items.split_at(index.map_or(0, |index| index + 1 - first));
+        let hold_s = |item: &Item| match item.command {
+            command::NAV_WAYPOINT | command::NAV_LOITER_TIME | command::NAV_DELAY => {
+                Some(f64::from(item.params[0])).filter(|hold_s| *hold_s >= 0.0)
+            }
+            command if command > command::NAV_LAST => Some(0.0),
+            _ => None,
+        };
+        let known_s: Option<f64> = before.iter().map(hold_s).sum();
+        let after_s = || after.iter().filter_map(hold_s).sum::<f64>();
+        known_s
+            .unwrap_or_else(|| stays_s - after_s())
+            .clamp(0.0, stays_s.max(0.0))
     }
 }
 
