@@ -51,7 +51,11 @@ pub struct Notice {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ended: BTreeMap<String, Ended>,
     /// Whether its vehicles end with the process of `fly`.
-    #[serde(default, rename = "simulated", skip_serializing_if = "std::ops::Not::not")]
+    #[serde(
+        default,
+        rename = "simulated",
+        skip_serializing_if = "std::ops::Not::not"
+    )]
     pub is_simulated: bool,
 }
 
