@@ -24,6 +24,7 @@ pub use crate::link::io::tlog::Tlog;
 pub use crate::link::transfer::clear::{Clear, Cleared};
 pub use crate::link::transfer::compare::{Difference, differences};
 pub use crate::link::transfer::download::{Download, DownloadError};
+pub(crate) use crate::link::transfer::identity::check_kind;
 pub use crate::link::transfer::onboard::{Onboard, Reading};
 pub use crate::link::transfer::order::Order;
 pub use crate::link::transfer::report::{Failure, Refusal, TransferReport, Verdict, hash};

@@ -122,3 +122,17 @@ fn what_a_vehicle_never_reports_is_named_at_t0() {
     assert!(sky.says("alpha", BATTERY), "{:?}", sky.events);
     assert!(!sky.says("bravo", "has not reported"), "{:?}", sky.events);
 }
+
+#[test]
+fn who_turns_out_to_be_of_another_kind_starts_nobody() {
+    let why = refusals(|message| {
+        if let Message::Heartbeat(beat) = message {
+            // `MAV_TYPE_FIXED_WING`.
+            beat.kind = 1;
+        }
+    });
+    assert!(
+        is_named(&why, "the spec says copter, the vehicle says fixed wing"),
+        "{why:?}"
+    );
+}

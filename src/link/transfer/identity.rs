@@ -47,6 +47,15 @@ pub(crate) fn check(
     if heartbeat.is_armed() {
         return Err(Refusal::Armed);
     }
+    check_kind(heartbeat, autopilot, airframe)
+}
+
+/// Refuses a vehicle of another autopilot or airframe than in the spec.
+pub(crate) fn check_kind(
+    heartbeat: &Heartbeat,
+    autopilot: Autopilot,
+    airframe: Airframe,
+) -> Result<(), Refusal> {
     if Autopilot::of_mavlink(heartbeat.autopilot).is_none_or(|found| found != autopilot)
         && heartbeat.autopilot != AUTOPILOT_GENERIC
     {

@@ -5,7 +5,7 @@ use crate::autopilot::Autopilot;
 use crate::flight::launch::parameters::{OtherSetting, SettingsCheck};
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
-use crate::link::{Address, Command, FlightMessage, Message, MissionMessage, Time};
+use crate::link::{Address, Command, FlightMessage, Message, MissionMessage, Time, check_kind};
 
 /// How long position and home are waited for, milliseconds.
 const REPORTING_MS: u64 = 60_000;
@@ -202,6 +202,7 @@ impl FlightVehicle<'_> {
             soft.push("it does not say which item it flies to".to_owned());
         }
         soft.extend(self.place_problems());
+        soft.extend(self.kind_problem());
         if self.vehicle.is_some_and(|(_, beat)| beat.is_armed()) {
             hard.push("it is armed".to_owned());
         }
@@ -219,6 +220,13 @@ impl FlightVehicle<'_> {
         } else {
             Stage::Refused(hard)
         };
+    }
+
+    /// That its heartbeat is of another kind of vehicle than planned.
+    fn kind_problem(&self) -> Option<String> {
+        let (mission, beat) = (self.of.mission, self.heartbeat_now()?);
+        let refused = check_kind(&beat, mission.autopilot, mission.airframe).err()?;
+        Some(refused.to_string())
     }
 
     /// That it is not where its mission begins.
@@ -261,6 +269,7 @@ impl FlightVehicle<'_> {
             problems.extend(moved_m.map(|off_m| {
                 format!("its home is {off_m:.0} m from where the plan has it, after it was checked")
             }));
+            problems.extend(self.kind_problem());
             problems.extend(battery);
             problems.extend(self.changed_settings());
         }
