@@ -11,9 +11,9 @@ const HOME_MOVES_M: f64 = 15.0;
 /// What differs in flight of home, fence and rally points: a return was judged to those of the plan.
 #[derive(Debug, Default)]
 pub(super) struct Elsewhere {
-    /// Home as it was said last before the flight, and what it is now if that is another place.
+    /// Home as it was said last before the flight, and what it is now if that is another place, with since when.
     home: Option<Home>,
-    pub(super) moved: Option<String>,
+    pub(super) moved: Option<(String, f64)>,
     /// The ids of the fence and of the rally points, and since when they are others, seconds after T0.
     ids: [Option<u32>; 2],
     others_s: [Option<f64>; 2],
@@ -61,7 +61,9 @@ impl Elsewhere {
                     amsl_m,
                 };
                 if flies {
-                    self.moved = moved(self.home.as_ref().unwrap_or(&mission.home), &home);
+                    let since_s = self.moved.take().map_or(t_s, |(_, since_s)| since_s);
+                    let before = self.home.as_ref().unwrap_or(&mission.home);
+                    self.moved = moved(before, &home).map(|text| (text, since_s));
                 } else {
                     self.home = Some(home);
                 }
