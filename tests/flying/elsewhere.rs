@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use super::flight_truth::{count, sky};
 use crate::support::sky::{Planned, Sky, US, lane, parameters, plan};
+use sortie::flight::Outcome;
 use sortie::geodesy::Amsl;
 use sortie::link::*;
 use sortie::simulator::Fault;
@@ -73,6 +74,35 @@ fn a_return_is_not_ordered_where_home_was_moved_in_flight() {
         let why = "does not return, it continues: its home was moved by";
         assert_eq!(count(&sky, "alpha", why), alarms, "{:?}", sky.events);
     }
+}
+
+/// ArduPlane has its home where it stands without its motors: it says so before the heartbeat that shows them to stand.
+#[test]
+fn a_home_that_comes_with_a_vehicle_to_its_landing_is_no_alarm() {
+    let plan = returning();
+    let mut sky = sky(&plan);
+    sky.fly_to(40.0);
+    let (at, is_said) = (Cell::new((0, 0, 0)), Cell::new(false));
+    sky.down = Some(Box::new(move |_, from, message| {
+        let (x, y, amsl_mm) = at.get();
+        let here = Message::HomePosition { x, y, amsl_mm };
+        let message = match message {
+            _ if from.system != 1 => message,
+            Message::Flight(FlightMessage::Position(position)) => {
+                at.set((position.x, position.y, position.amsl_mm));
+                message
+            }
+            // The heartbeat that shows it comes a second later.
+            Message::Heartbeat(beat) if !beat.is_armed() && !is_said.replace(true) => here,
+            Message::HomePosition { .. } if is_said.get() => here,
+            _ => message,
+        };
+        vec![(from, message)]
+    }));
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    assert_eq!(count(&sky, "alpha", "ALARM"), 0, "{:?}", sky.events);
+    let landed = count(&sky, "alpha", "landed, motors stopped");
+    assert_eq!(landed, 1, "{:?}", sky.events);
 }
 
 #[test]

@@ -413,6 +413,24 @@ fn a_quadplane_beside_its_second_leg_is_judged_as_low_as_one_was_flown_there() {
     assert!(found.value < 5.0, "{found:?}");
 }
 
+#[test]
+fn a_quadplane_that_turns_at_a_first_place_near_its_climb_is_beside_the_second_where_one_was_flown()
+{
+    // ArduPlane 4.7.0-beta1, 2 m/s of wind: it left its climb to the north-east, passed its first place on a course of
+    // 240 degrees, and its second one 32 m beside it.
+    let (mut spec, mut mission) = quadplane(Autopilot::ArduPilot);
+    windy(&mut spec, 10.0, 2.0);
+    (spec.vehicles[0].speed_mps, mission.items[1].params[1]) = (16.0, 16.0);
+    let ways = [(-4.3, -205.5), (-4.4, -318.4), (-7.3, -687.6)];
+    let ways = ways.map(|(east_m, north_m)| waypoint(spot(east_m, north_m), UP_M));
+    let [takeoff, speed, _, circle] = mission.items[..] else {
+        panic!("{} items", mission.items.len());
+    };
+    mission.items = vec![takeoff, speed, ways[0], ways[1], ways[2], circle];
+    let found_m = nearest_m(&spec, &mission, spot(-36.3, -320.2));
+    assert!(found_m < 5.0, "{found_m}");
+}
+
 /// PX4 1.17.0 and 1.18 beta (simulator, still air, seventeen takeoffs): up to 38 m beside their first legs where the
 /// takeoff was at home, at most 4.2 m where it was 8 or 60 m ahead.
 #[test]

@@ -1,5 +1,6 @@
 """ArduPilot's dataflash log, as much of it as the truth of a simulator needs."""
 
+import re
 import struct
 
 import numpy as np
@@ -50,8 +51,11 @@ class Truth:
         sim, item = found["SIM"], found["MISE"]
         self.t = np.array(sim["TimeUS"]) * 1e-6
         self.lat, self.lon, self.amsl = (np.array(sim[name], float) for name in ("Lat", "Lng", "Alt"))
-        # The navigation item that was begun last.
+        # The navigation item that was begun last. A busy machine loses messages of a log, but none of its texts.
         started = [(t * 1e-6, row) for t, row, command in zip(item["TimeUS"], item["CNum"], item["CId"]) if command < 95]
+        texts = zip(found["MSG"].get("TimeUS", []), found["MSG"].get("Message", []))
+        said = [(t * 1e-6, int(begun.group(1))) for t, text in texts if (begun := re.match(r"Mission: (\d+) ", text))]
+        started = sorted(started + [(t, row) for t, row in said if row not in item["CNum"]])
         # It leaves the ground when its first item is begun: how long the order took is no matter of the vehicle.
         self.t0_s = started[0][0]
         times, rows = np.array([t for t, _ in started]), np.array([0] + [row for _, row in started])

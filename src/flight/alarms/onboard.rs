@@ -47,6 +47,8 @@ pub(super) struct Onboard {
     /// Until when another plan may be under way to it, seconds after T0.
     sent_until_s: f64,
     beat: Option<Heartbeat>,
+    /// When a heartbeat showed its motors to run last, seconds after T0.
+    armed_s: f64,
     /// Whether it was in its mission, and the name of the mode after it.
     was_in_mission: bool,
     /// Who explains a change of its mode, and when that was heard.
@@ -72,6 +74,7 @@ impl Onboard {
             settings: Settings::default(),
             sent_until_s: f64::NEG_INFINITY,
             beat: None,
+            armed_s: f64::NEG_INFINITY,
             was_in_mission: false,
             cause: None,
             why: None,
@@ -184,6 +187,9 @@ impl Onboard {
     }
 
     fn beat(&mut self, t_s: f64, beat: Heartbeat, mission: &VehicleMission) {
+        if beat.is_armed() {
+            self.armed_s = t_s;
+        }
         if !beat.is_armed() && self.was_in_mission {
             // PX4 goes back to its last mode when its motors stop.
             return;
@@ -268,16 +274,26 @@ impl Onboard {
         differs.or_else(written)
     }
 
+    /// Whether its motors were seen to run after a time in seconds after T0. ArduPilot begins its mission anew when they
+    /// stop, and ArduPlane has its home where it stands then: both may be heard before the heartbeat that shows it.
+    pub(super) fn runs_since(&self, since_s: f64) -> bool {
+        self.armed_s > since_s
+    }
+
     /// What is heard to be other than planned of home, of the rally points and of the fence.
     pub(super) fn others(&self, t_s: f64) -> [Option<&str>; 3] {
         let of = &self.elsewhere;
-        [of.moved.as_deref(), of.list(1, t_s), of.list(0, t_s)]
+        let moved = of.moved.as_ref();
+        let moved = moved.filter(|(_, since_s)| self.runs_since(*since_s));
+        let home = moved.map(|(text, _)| text.as_str());
+        [home, of.list(1, t_s), of.list(0, t_s)]
     }
 
     /// Why it may return to another place, or on another way, than planned.
     pub(super) fn returns_elsewhere(&self, t_s: f64) -> Option<String> {
-        let [home, rally, _] = self.others(t_s);
-        let elsewhere = home.or(rally);
+        let home = self.elsewhere.moved.as_ref();
+        let rally = self.elsewhere.list(1, t_s);
+        let elsewhere = home.map(|(text, _)| text.as_str()).or(rally);
         let why = elsewhere.map(|why| format!("{why}: where it would return to is not known"));
         why.or_else(|| self.returns_otherwise())
     }

@@ -8,11 +8,11 @@ use crate::mission::{Home, VehicleMission};
 /// What differs in flight of home, fence and rally points: a return was judged to those of the plan.
 #[derive(Debug, Default)]
 pub(super) struct Elsewhere {
-    /// Home as it was said last before the flight, and what it is now if that is another place.
+    /// Home as it was said last before the flight, and what it is now if that is another place, with since when.
     home: Option<Home>,
+    pub(super) moved: Option<(String, f64)>,
     /// Whether it was compared with that of the plan before T0: then it is held against that one.
     is_checked: bool,
-    pub(super) moved: Option<String>,
     /// The ids of the fence and of the rally points, and since when they are others, seconds after T0.
     ids: [Option<u32>; 2],
     others_s: [Option<f64>; 2],
@@ -60,8 +60,10 @@ impl Elsewhere {
                     amsl_m,
                 };
                 if flies {
+                    let since_s = self.moved.take().map_or(t_s, |(_, since_s)| since_s);
                     let said = self.home.as_ref().filter(|_| !self.is_checked);
-                    self.moved = moved(said.unwrap_or(&mission.home), &home);
+                    let before = said.unwrap_or(&mission.home);
+                    self.moved = moved(before, &home).map(|text| (text, since_s));
                 } else {
                     self.home = Some(home);
                 }
@@ -105,7 +107,8 @@ impl Elsewhere {
         }
         self.is_checked = is_home_checked;
         if is_home_checked {
-            self.moved = self.home.as_ref().and_then(|now| moved(planned, now));
+            let moved = self.home.as_ref().and_then(|now| moved(planned, now));
+            self.moved = moved.map(|text| (text, f64::NEG_INFINITY));
         }
     }
 

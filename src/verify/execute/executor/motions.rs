@@ -146,8 +146,11 @@ impl Pilot<'_> {
             .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
         self.lay_altitude_offsets(&knots, &firsts)?;
         self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
-        if let Some((hull, leg)) = self.leave_hull(&knots, &firsts)? {
-            self.lay_arrivals((&hull, leg), &knots, &grounds_mps, &firsts)?;
+        if let Some((hull, last)) = self.leave_hull(&knots, &firsts)? {
+            // Places within the hull are passed, too, on any course.
+            for leg in 0..=last {
+                self.lay_arrivals((&hull, leg), &knots, &grounds_mps, &firsts)?;
+            }
         }
         if last_mps <= 0.0 {
             // What a stop takes longer it may have lost as it brakes for it.

@@ -54,7 +54,7 @@ impl Pilot<'_> {
         self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)
     }
 
-    /// Lays the way on from the place at the end of a hull, to be judged in space, for a wing that comes
+    /// Lays the way on from a place within a hull or at its end, to be judged in space, for a wing that comes
     /// to it from either side of the hull; for the separation, widens the chords of the legs by as much.
     pub(crate) fn lay_arrivals(
         &mut self,
