@@ -36,7 +36,7 @@ pub mod command {
     pub const NAV_PAYLOAD_PLACE: u16 = 94;
     /// The last of the commands that navigate.
     pub const NAV_LAST: u16 = 95;
-    /// Wait so many seconds before the commands that follow.
+    /// Wait for a time before the commands that follow.
     pub const CONDITION_DELAY: u16 = 112;
     /// Wait until the next waypoint is so near before the commands that follow.
     pub const CONDITION_DISTANCE: u16 = 114;

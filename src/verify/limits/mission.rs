@@ -263,20 +263,7 @@ impl Contract<'_> {
                 (None, Autopilot::Px4) if self.vehicle.retiming.speed_mps.is_none() => {
                     worst.at_most(0.0, SPEED_MPS, at)
                 }
-                (None, _) => {
-                    let name = if self.vehicle.airframe.has_wing() {
-                        "AIRSPEED_CRUISE"
-                    } else {
-                        "WPNAV_SPEED"
-                    };
-                    let beyond = self
-                        .held_speeds()
-                        .map_or_else(String::new, |held| format!(" within {held}"));
-                    let why = format!(
-                        "no DO_CHANGE_SPEED{beyond} before it and no {name}: the speed is the vehicle's own"
-                    );
-                    worst.unknown(SPEED_MPS, why, at());
-                }
+                (None, _) => worst.unknown(SPEED_MPS, self.why_no_speed(), at()),
             }
         }
         let mut margin = worst.margin(self.id(), Limit::Speed, "m/s")?;
@@ -293,6 +280,20 @@ impl Contract<'_> {
             margin.note = format!("the parameters hold it within {held}");
         }
         Some(margin)
+    }
+
+    /// Why a speed is not known.
+    fn why_no_speed(&self) -> String {
+        let name = if self.vehicle.airframe.has_wing() {
+            "AIRSPEED_CRUISE"
+        } else {
+            "WPNAV_SPEED"
+        };
+        let held = self.held_speeds();
+        let beyond = held.map_or_else(String::new, |held| format!(" within {held}"));
+        format!(
+            "no DO_CHANGE_SPEED{beyond} before it and no {name}: the speed is the vehicle's own"
+        )
     }
 
     /// The parameters between which the vehicle keeps its speed, with their values in m/s, if the

@@ -435,8 +435,8 @@ mod tests {
                 let nearest = path.windows(2).min_by(|a, b| near(a).total_cmp(&near(b)));
                 let nearest = nearest.expect("a path");
                 let along = (vector(nearest[1]) - vector(nearest[0])).normalize();
-                let beside_m = along.perp(&(vector(three[1]) - vector(nearest[0])));
-                let outside_m = beside_m * turn_rad(into, out).signum();
+                let off_m = along.perp(&(vector(three[1]) - vector(nearest[0])));
+                let outside_m = off_m * turn_rad(into, out).signum();
                 assert!(outside_m > -0.05, "{outside_m} m at {:?}", three[1]);
             }
         }
