@@ -208,26 +208,33 @@ fn a_flight_whose_process_stands_still_is_named_and_an_old_order_is_not_carried_
     let (folder, runs) = planned("lanes", &lanes("-84.238"));
     let mut flight = take_off(folder.path(), "lanes.yaml", "4");
     wait_for(&runs, "alpha", 12.0);
-    let mut terminal = Terminal::attach(folder.path());
+    let terminal = Terminal::attach(folder.path());
     std::thread::sleep(Duration::from_millis(1500));
     signal(&flight, "-STOP");
+    let shown = ordered_at_rest(&flight, terminal);
+    let goes_on = "the process of the flight goes on, after about";
+    assert!(shown.contains(goes_on), "{shown}");
+    let _ = flight.0.wait();
+}
+
+/// What a terminal shows that orders a hold while the process of the flight stands still, and to land when it goes on.
+fn ordered_at_rest(flight: &Flight, mut terminal: Terminal) -> String {
     std::thread::sleep(Duration::from_millis(500));
     terminal.order("hold");
     std::thread::sleep(Duration::from_millis(7000));
-    signal(&flight, "-CONT");
-    std::thread::sleep(Duration::from_millis(1500));
+    signal(flight, "-CONT");
+    std::thread::sleep(Duration::from_millis(2500));
     terminal.order("l");
     let (_, shown) = terminal.end();
     for line in [
         "nothing heard of the process of the flight for 3 s: nobody watches the fleet",
-        "the process of the flight goes on, after about",
         "while this flight stood still: it is not carried out, give it again",
         "all land",
     ] {
         assert!(shown.contains(line), "{line} in {shown}");
     }
     assert!(!shown.contains("all hold"), "{shown}");
-    let _ = flight.0.wait();
+    shown
 }
 
 #[test]
@@ -328,22 +335,7 @@ fn one_that_attaches_to_a_process_that_stands_still_is_warned_and_its_old_order_
     let mut flight = take_off(folder.path(), "lanes.yaml", "4");
     wait_for(&runs, "alpha", 12.0);
     signal(&flight, "-STOP");
-    let mut terminal = Terminal::attach(folder.path());
-    std::thread::sleep(Duration::from_millis(500));
-    terminal.order("hold");
-    std::thread::sleep(Duration::from_millis(7000));
-    signal(&flight, "-CONT");
-    std::thread::sleep(Duration::from_millis(2500));
-    terminal.order("l");
-    let (_, shown) = terminal.end();
-    for line in [
-        "nothing heard of the process of the flight for 3 s: nobody watches the fleet",
-        "while this flight stood still: it is not carried out, give it again",
-        "all land",
-    ] {
-        assert!(shown.contains(line), "{line} in {shown}");
-    }
-    assert!(!shown.contains("all hold"), "{shown}");
+    ordered_at_rest(&flight, Terminal::attach(folder.path()));
     let _ = flight.0.wait();
 }
 

@@ -9,8 +9,8 @@ use crate::autopilot::{in_unit_of, other_name};
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
 use crate::mission::{Parameter, is_lean_limit};
 
-/// Between two requests for one parameter, milliseconds, where the link is quick; else its round trip more. A longer one
-/// than the other is none.
+/// Time between two requests for one parameter, milliseconds. On a slow link its round trip is added, and counts up to
+/// the second figure.
 const REPEAT_MS: u64 = 400;
 const LONGEST_MS: u64 = 15_000;
 /// Requests before a parameter counts as unknown to the vehicle.
@@ -91,7 +91,7 @@ impl<'a> SettingsCheck<'a> {
         }
     }
 
-    /// An answer takes as long, milliseconds.
+    /// Takes in the round trip of the link, milliseconds.
     pub(crate) fn take_round_trip(&mut self, round_trip_ms: u64) {
         self.repeat_ms = match round_trip_ms > REPEAT_MS {
             true => REPEAT_MS + round_trip_ms.min(LONGEST_MS),
@@ -99,7 +99,7 @@ impl<'a> SettingsCheck<'a> {
         };
     }
 
-    /// Which parameter is waited for, and how many of how many are read.
+    /// The parameter that is awaited, and how far the reading has come.
     pub(crate) fn awaited(&self) -> Option<String> {
         let name = &self.planned.get(self.at)?.name;
         let (at, all) = (self.at, self.planned.len());

@@ -67,7 +67,7 @@ struct Known {
 }
 
 impl Known {
-    /// What of it was waited for in vain.
+    /// What it has not sent in time.
     fn missing(&self) -> &'static str {
         match self.reading.outcome() {
             _ if self.beat.is_none() => "sends no heartbeat",

@@ -112,7 +112,7 @@ pub struct Fleet<'a> {
     refusals: Vec<(String, String)>,
     /// When [`Fleet::handle_timeout`] was last called.
     last: Time,
-    /// When it is said next whom it waits for.
+    /// When vehicles that are not ready are named next.
     awaited_due: Time,
     /// When the flight was taken over, seconds after T0; 0 of one that was not.
     since_s: f64,

@@ -13,7 +13,7 @@ const LIFTOFF_S: f64 = 5.0;
 /// Vehicles are armed again this often before nothing is started.
 const MOST_AGAIN: u8 = 6;
 
-/// It is said whom the flight waits for after this time, and then so often, milliseconds.
+/// Vehicles that are not ready are named after this time, then again after each interval, milliseconds.
 pub(super) const FIRST_MS: u64 = 10_000;
 const EVERY_MS: u64 = 30_000;
 
@@ -71,7 +71,7 @@ impl Fleet<'_> {
         self.phase = Phase::Ended;
     }
 
-    /// Says whom it waits for, and for what of each.
+    /// Names the vehicles that are not ready, and what is awaited of each.
     pub(super) fn say_who_is_awaited(&mut self, now: Time) {
         if now < self.awaited_due {
             return;

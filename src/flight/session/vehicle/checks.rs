@@ -354,7 +354,7 @@ impl FlightVehicle<'_> {
                 .push_back(Message::Flight(FlightMessage::Command { target, order }));
         };
         let is_ready = matches!(self.stage, Stage::Ready);
-        // Somebody may move it.
+        // Another station may move it.
         if self.home.is_none() || is_ready {
             ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
         }

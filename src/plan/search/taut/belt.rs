@@ -29,7 +29,7 @@ const PARTED: f64 = 1.001;
 const PARTINGS: usize = 100;
 /// Steps behind an arc that are as long as those on it, before they grow.
 const NEAR_STEPS: usize = 3;
-/// A step may be longer than those on the arc beside it by up to 1.7 times, or shorter by 0.85: more turns tighter.
+/// The first step behind an arc is 0.85 to 1.7 times as long as those on it: with others the spline turns tighter.
 const LONGER_STEP: f64 = 0.3;
 /// Smaller turns are none, radians.
 const STRAIGHT_RAD: f64 = 1e-6;
