@@ -1,10 +1,14 @@
-//! Label placement on the map: inside its frame and, where possible, without overlap.
+//! Label placement on the map: inside its frame and, where possible, without overlap, off the paths.
+
+use std::collections::BTreeSet;
 
 /// Height of a line, and width of a letter on average, as shares of the size.
 const LINE: f64 = 1.2;
 const LETTER: f64 = 0.58;
 /// Size of a label that finds no free place, as a share of the common size.
 const SMALLER: f64 = 0.8;
+/// Side of the squares that paths are drawn through, as a share of the size.
+const SQUARE: f64 = 0.4;
 
 /// A rectangle of the picture, y downwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +44,8 @@ pub(in crate::report) struct Labels {
     /// Size of the letters.
     size: f64,
     taken: Vec<Area>,
+    /// Squares that paths lead through, by column and row.
+    crossed: BTreeSet<(i64, i64)>,
 }
 
 impl Area {
@@ -66,12 +72,49 @@ impl Labels {
             frame,
             size,
             taken: Vec::new(),
+            crossed: BTreeSet::new(),
         }
     }
 
     /// Keeps labels away from a mark.
     pub(in crate::report) fn avoid(&mut self, at: (f64, f64), size: f64) {
         self.taken.push(Area::around(at, size, size));
+    }
+
+    /// Keeps labels off a path.
+    pub(in crate::report) fn pass(&mut self, path: impl Iterator<Item = (f64, f64)>) {
+        let square = SQUARE * self.size;
+        let mut last: Option<(f64, f64)> = None;
+        for (x, y) in path {
+            let (from_x, from_y) = last.unwrap_or((x, y));
+            let steps = ((x - from_x).hypot(y - from_y) / square)
+                .ceil()
+                .clamp(1.0, 1e3);
+            for step in 1..=steps as u32 {
+                let share = f64::from(step) / steps;
+                let (x, y) = (from_x + share * (x - from_x), from_y + share * (y - from_y));
+                self.crossed.insert(cell(x / square, y / square));
+            }
+            last = Some((x, y));
+        }
+    }
+
+    /// What a label in this area would cover of other labels, marks and paths.
+    fn covers(&self, area: &Area) -> f64 {
+        let square = SQUARE * self.size;
+        let (from, to) = (
+            cell(area.left / square, area.top / square),
+            cell(area.right / square, area.bottom / square),
+        );
+        let crossed = (from.0..=to.0)
+            .map(|column| {
+                self.crossed
+                    .range((column, from.1)..=(column, to.1))
+                    .count()
+            })
+            .sum::<usize>();
+        let taken: f64 = self.taken.iter().map(|taken| taken.shared(area)).sum();
+        taken + square * square * crossed as f64
     }
 
     /// The first free anchor around a place, in small letters if necessary; if all
@@ -81,7 +124,7 @@ impl Labels {
         'tried: for share in [1.0, SMALLER] {
             for offset in offsets(side) {
                 let (anchor, area) = self.anchor(at, offset, text, share);
-                let covers: f64 = self.taken.iter().map(|taken| taken.shared(&area)).sum();
+                let covers = self.covers(&area);
                 if best.is_none_or(|(least, ..)| covers < least) {
                     best = Some((covers, anchor, area));
                 }
@@ -161,6 +204,11 @@ fn offsets(side: Side) -> [Offset; 7] {
     }
 }
 
+/// Column and row of a point, in squares.
+fn cell(x: f64, y: f64) -> (i64, i64) {
+    (x.floor() as i64, y.floor() as i64)
+}
+
 /// Width of a text of size 1: letters beyond ASCII may be wide.
 fn width(text: &str) -> f64 {
     text.chars()
@@ -192,6 +240,18 @@ mod tests {
             assert!(anchor.x - wide / 2.0 >= -1e-9 && anchor.x + wide / 2.0 <= 1000.0 + 1e-9);
             assert!(anchor.y >= 9.0 - 1e-9 && anchor.y <= 591.0 + 1e-9);
         }
+    }
+
+    #[test]
+    fn a_name_gives_way_to_the_path_through_its_place() {
+        let mut labels = Labels::new(FRAME, 15.0);
+        labels.pass([(0.0, 300.0), (1000.0, 300.0)].into_iter());
+        let anchor = labels.place((500.0, 300.0), Side::Middle, "watch-post");
+        assert!(
+            (anchor.y - 300.0).abs() > 9.0 && anchor.share >= 1.0,
+            "{anchor:?}"
+        );
+        assert!((anchor.x - 500.0).abs() < 1e-9, "{anchor:?}");
     }
 
     #[test]

@@ -299,6 +299,8 @@ fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
     let mut labels = Labels::new(frame, size);
     if scene.vehicles.len() <= MAX_NAMES {
         for vehicle in &scene.vehicles {
+            let track = &vehicle.track;
+            labels.pass((track.e.iter().zip(&track.n)).map(|(e, n)| (view.x(*e), view.y(*n))));
             labels.avoid(view.at(&vehicle.start), size);
             labels.avoid(view.at(&vehicle.goal), size);
             for stop in &vehicle.stops {

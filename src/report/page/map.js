@@ -63,7 +63,7 @@ const map = (() => {
     for (const vehicle of few ? scene.vehicles : []) for (const [e, n] of [vehicle.start, vehicle.goal, ...vehicle.stops.map((stop) => stop.at)]) {
       taken.push({ left: x(e) - 6 * k, right: x(e) + 6 * k, top: y(n) - 6 * k, bottom: y(n) + 6 * k });
     }
-    const place = placer(frame, taken);
+    const place = placer(frame, taken, few ? pathsCovered(frame, 5 * k) : undefined);
     for (const { text, at, side } of names) {
       const seen = at.x >= frame.left && at.x <= frame.right && at.y >= frame.top && at.y <= frame.bottom;
       const whole = { left: -Infinity, right: Infinity, top: -Infinity, bottom: Infinity };
@@ -72,6 +72,28 @@ const map = (() => {
       text.setAttribute("y", spot.y);
       text.style.fontSize = 13 * k * spot.share + "px";
     }
+  }
+
+  /** What an area covers of the paths, which lead through squares of this side. */
+  function pathsCovered(frame, side) {
+    const crossed = new Set(), key = (column, row) => column * 65536 + row;
+    const column = (x) => Math.floor((x - frame.left) / side), row = (y) => Math.floor((y - frame.top) / side);
+    const [columns, rows] = [column(frame.right), row(frame.bottom)];
+    for (const { track } of scene.vehicles) {
+      for (let i = 0; i + 1 < track.e.length; i++) {
+        const from = { x: x(track.e[i]), y: y(track.n[i]) }, dx = x(track.e[i + 1]) - from.x, dy = y(track.n[i + 1]) - from.y;
+        const steps = clamp(Math.ceil(Math.hypot(dx, dy) / side), 1, 1000);
+        for (let step = 0; step <= steps; step++) {
+          const at = [column(from.x + (dx * step) / steps), row(from.y + (dy * step) / steps)];
+          if (at[0] >= 0 && at[0] <= columns && at[1] >= 0 && at[1] <= rows) crossed.add(key(...at));
+        }
+      }
+    }
+    return ({ left, right, top, bottom }) => {
+      let count = 0;
+      for (let c = column(left); c <= column(right); c++) for (let r = row(top); r <= row(bottom); r++) count += crossed.has(key(c, r));
+      return count * side * side;
+    };
   }
 
   function clampView() {

@@ -148,7 +148,7 @@ const WAYS = (() => {
  * free ({ left, top, right, bottom }); it grows. Returns a function of the place, the side,
  * the width and the height of a name, to its middle and the share of its size.
  */
-function placer(frame, taken) {
+function placer(frame, taken, crossed = () => 0) {
   const shared = (a, b) => Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
   const inside = (value, from, to, length) => Math.max(Math.min(value, to - length / 2), from + length / 2);
   return (at, side, width, height) => {
@@ -158,7 +158,7 @@ function placer(frame, taken) {
       for (const [aside, dx, dy] of WAYS[side]) {
         const x = inside(at.x + dx * height + (aside * w) / 2, frame.left, frame.right, w), y = inside(at.y + dy * height, frame.top, frame.bottom, h);
         const area = { left: x - w / 2, top: y - h / 2, right: x + w / 2, bottom: y + h / 2 };
-        const covers = taken.reduce((sum, other) => sum + shared(area, other), 0);
+        const covers = taken.reduce((sum, other) => sum + shared(area, other), crossed(area));
         if (!best || covers < best.covers) best = { x, y, share, covers, area };
         if (covers === 0) break;
       }
