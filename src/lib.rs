@@ -2,7 +2,7 @@
 //! missions for a whole fleet of UAVs.
 //!
 //! ```text
-//! spec -> local ENU frame -> MSFOA per vehicle, in priority order -> sampled path -> MISSION_ITEM_INT
+//! spec -> local ENU frame -> multiple swarm fruit fly optimisation (MSFOA) per vehicle, in priority order -> sampled path -> MISSION_ITEM_INT
 //!      -> re-verified from the encoded integers -> .waypoints / .plan files, review, upload over MAVLink
 //! ```
 //!
@@ -43,12 +43,13 @@
 //! | 10 | [`report`] | HTML, SVG and JSON from facts handed to it |
 //! | 11 | [`flight`] | launch, session, record, conformance, new paths in flight |
 //! | 11 | [`study`] | the paper's experiment, planner and fleet studies |
+//! | 12 | `library` | the functions at the root of the crate |
 //! | 13 | [`cli`] | arguments, progress, printing, exit codes |
 //!
 //! # Units
 //!
-//! SI and radians inside, with the unit as a suffix of the name. Degrees appear
-//! only in [`spec`], [`mission`], [`formats`] and [`report`], always as `_deg`.
+//! SI and radians inside, with the unit as a suffix of the name. Degrees, always as `_deg`, are latitudes and
+//! longitudes everywhere, keys, parameters of autopilots, and what people read.
 //! An altitude never travels without its reference: see [`geodesy::Amsl`].
 
 pub mod guide;

@@ -32,7 +32,6 @@ const LAYERS: &[(&str, u32, &[&str])] = &[
     ("report", 10, &["optimize", "link"]),
     ("flight", 11, &[]),
     ("study", 11, &["link"]),
-    ("studio", 12, &[]),
     // Not a folder: the functions that lib.rs shows first.
     ("library", 12, &[]),
     ("cli", 13, &[]),

@@ -75,14 +75,17 @@ pub struct LocalFrame {
     ecef_to_enu: Matrix3<f64>,
 }
 
-/// Mean radius of the earth, metres (IUGG).
+/// Mean radius of the earth, metres (IUGG R1, rounded).
 pub(crate) const EARTH_RADIUS_M: f64 = 6_371_000.0;
+
+/// Length of a degree on the sphere of mean radius, on which analytic hills are drawn, metres.
+pub(crate) const METRES_PER_DEG: f64 = 111_195.08;
 
 /// The tangent of a latitude beyond this is taken to be that of this, degrees: 10 cm from a pole.
 const NEAR_POLE_DEG: f64 = 89.999_999;
 
-/// How far a line of some length that is straight in latitude and longitude leaves the straight
-/// line on the earth between its ends, metres: `L^2 tan(lat) / 8 R`.
+/// How far a line of some length that is straight in latitude and longitude leaves the geodesic
+/// between its ends, metres: `L^2 tan(lat) / 8 R`.
 #[must_use]
 pub fn bend_m(length_m: f64, lat_deg: f64) -> f64 {
     let tan_lat = lat_deg.abs().min(NEAR_POLE_DEG).to_radians().tan();
@@ -90,27 +93,27 @@ pub fn bend_m(length_m: f64, lat_deg: f64) -> f64 {
 }
 
 /// The least radius of curvature of the earth, of a meridian at the equator, metres (WGS84).
-const LEAST_RADIUS_M: f64 = 6_335_439.0;
+const MIN_CURVATURE_RADIUS_M: f64 = 6_335_439.0;
 
 /// The way along the earth to a place that is so far from the origin of a [`LocalFrame`] in its plane, no
 /// shorter than it is, metres.
 pub(crate) fn on_earth_m(in_plane_m: f64) -> f64 {
-    LEAST_RADIUS_M * (in_plane_m / LEAST_RADIUS_M).min(1.0).asin()
+    MIN_CURVATURE_RADIUS_M * (in_plane_m / MIN_CURVATURE_RADIUS_M).min(1.0).asin()
 }
 
 /// How far from the origin of a [`LocalFrame`] a place is in its plane that is so far along the earth, no
 /// further than it is, metres.
 pub(crate) fn in_plane_m(on_earth_m: f64) -> f64 {
     let quarter_rad = std::f64::consts::FRAC_PI_2;
-    LEAST_RADIUS_M * (on_earth_m / LEAST_RADIUS_M).min(quarter_rad).sin()
+    MIN_CURVATURE_RADIUS_M * (on_earth_m / MIN_CURVATURE_RADIUS_M).min(quarter_rad).sin()
 }
 
-/// How far a straight line of a [`LocalFrame`] leaves the straight line on the earth between its ends,
-/// metres: `d L^2 / 8 R^2` at a distance `d` from the origin, which up to 500 km is 1 % short.
+/// How far a straight line of a [`LocalFrame`] leaves the geodesic between its ends, metres:
+/// `d L^2 / 8 R^2` at a distance `d` from the origin, with the 1 % that this is too small by up to 500 km.
 #[must_use]
 pub fn frame_bend_m(length_m: f64, from_origin_m: f64) -> f64 {
-    const SHORT: f64 = 1.01;
-    SHORT * from_origin_m * length_m * length_m / (8.0 * EARTH_RADIUS_M * EARTH_RADIUS_M)
+    const ENLARGED: f64 = 1.01;
+    ENLARGED * from_origin_m * length_m * length_m / (8.0 * EARTH_RADIUS_M * EARTH_RADIUS_M)
 }
 
 /// Bends up to this are left to buffers, metres: those of copters are as wide.

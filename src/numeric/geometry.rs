@@ -170,7 +170,7 @@ pub(crate) fn doubled_area(corners: &[Point]) -> f64 {
     corners.iter().zip(next).map(|(a, b)| cross(*a, *b)).sum()
 }
 
-/// Into how many steps, each at most `apart`, a length is cut: within a range.
+/// Number of equal steps that a length is cut into: as many as keep each at most `apart`, but within a range.
 #[must_use]
 pub fn steps(length: f64, apart: f64, (least, most): (u16, u16)) -> u16 {
     #[expect(

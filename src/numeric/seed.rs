@@ -10,7 +10,7 @@ pub struct Seed(pub u64);
 impl Seed {
     /// An independent random stream for one purpose and index.
     ///
-    /// Streams of different purposes or indices never share numbers, so adding
+    /// Each purpose and index has a stream of its own, so adding
     /// a vehicle at the end leaves those before it unchanged. `ChaCha8Rng` is
     /// named, because `StdRng` may change between releases of `rand`.
     #[must_use]

@@ -1,8 +1,11 @@
 //! Prioritised planning: paths for a fleet, one vehicle after the other in order of priority.
 //!
 //! `fleet` commits vehicles in order; `classes` finds homotopy classes; `search` searches one
-//! route; `altitude` finds the lowest altitudes over a fixed horizontal spline, by a linear program over the floor of `altitude/floor.rs`; `bound` proves what no path can cost less than; `diagnosis` says why
-//! there is no path.
+//! route; `bound` proves what no path can cost less than; `diagnosis` says why there is no path.
+//!
+//! Altitude of a fixed horizontal spline: `altitude/floor.rs` makes the floor (ground, zones, slopes), a linear
+//! program in `altitude` finds the lowest spline over it, `search/polish.rs` the one of least cost, and
+//! `mission/build/encode.rs` rounds up what is written.
 
 mod altitude;
 mod bound;

@@ -5,8 +5,9 @@
 //!
 //! # How to add a key
 //!
-//! A key is named in two places, in its line of the guide (`src/guide/spec.md`), and in `missions/schema.json` (written by
-//! `sortie schema`). A key of the spec itself is also listed in `MissionSpec::builder`, one of a struct without `Default` in
+//! A key is written in two places of the code. Its line of the guide (`src/guide/spec.md`) is written by hand;
+//! `missions/schema.json` (`sortie schema`) and `src/guide/keys.md` (the test that holds it writes `target/keys.md`) are
+//! made. A key of the spec itself is also listed in `MissionSpec::builder`, one of a struct without `Default` in
 //! every literal of it. The two places:
 //!
 //! 1. Its struct in [`keys`]: name, type, `range`, and the doc comment that becomes its

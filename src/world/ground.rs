@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::Terrain;
 use super::mounds::Mounds;
-use crate::geodesy::{EastNorth, LocalFrame};
+use crate::geodesy::{EastNorth, LocalFrame, METRES_PER_DEG};
 
 /// Heights at the nodes of a square grid, row by row from the south-west.
 ///
@@ -223,7 +223,6 @@ fn cell(at: f64, nodes: usize) -> (usize, f64) {
 
 /// The spacing of the source: a finer grid holds no more information, metres.
 fn source_spacing_m(terrain: &Terrain) -> f64 {
-    const METRES_PER_DEGREE: f64 = 111_195.08;
     match terrain {
         Terrain::Flat(_) | Terrain::Unknown => f64::INFINITY,
         Terrain::Analytic { hills, .. } => hills
@@ -232,7 +231,7 @@ fn source_spacing_m(terrain: &Terrain) -> f64 {
             .fold(f64::INFINITY, f64::min),
         Terrain::Grid(grid) => {
             let parallel = grid.north_west.lat_deg.to_radians().cos().max(0.01);
-            let step_m = grid.row_step_deg.min(grid.column_step_deg * parallel) * METRES_PER_DEGREE;
+            let step_m = grid.row_step_deg.min(grid.column_step_deg * parallel) * METRES_PER_DEG;
             // A node in a void leaves all cells around it without data: smaller ones, less.
             match grid.heights_m.iter().any(|height_m| height_m.is_nan()) {
                 true => step_m / VOID_FINER,

@@ -1,6 +1,6 @@
 //! Terrain as its source has it, in geodetic coordinates.
 
-use crate::geodesy::{Amsl, LatLon};
+use crate::geodesy::{Amsl, LatLon, METRES_PER_DEG};
 use crate::spec::Hill;
 
 /// There is no elevation at a place: never taken for 0.
@@ -81,15 +81,14 @@ impl Terrain {
 
 /// Height of a Gaussian hill; distances on the sphere of mean radius are good enough for a shape.
 fn hill_height_m(hill: &Hill, place: LatLon) -> f64 {
-    const METRES_PER_DEGREE: f64 = 111_195.08;
     // From here on `exp` is 0 itself: most of a thousand hills need no more than this.
     const NOTHING_SQ: f64 = 746.0;
-    let north_m = (place.lat_deg - hill.place.lat_deg) * METRES_PER_DEGREE;
+    let north_m = (place.lat_deg - hill.place.lat_deg) * METRES_PER_DEG;
     if north_m * north_m > NOTHING_SQ * hill.radius_m * hill.radius_m {
         return 0.0;
     }
     let east_m = (place.lon_deg - hill.place.lon_deg)
-        * METRES_PER_DEGREE
+        * METRES_PER_DEG
         * hill.place.lat_deg.to_radians().cos();
     let distance_sq = (north_m * north_m + east_m * east_m) / (hill.radius_m * hill.radius_m);
     hill.height_m * (-distance_sq).exp()

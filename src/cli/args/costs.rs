@@ -26,7 +26,7 @@ pub(in crate::cli) struct Certify {
     /// Only this vehicle
     #[arg(long, value_name = "ID")]
     pub(in crate::cli) vehicle: Option<String>,
-    /// Most cells of the mesh from start to goal: half of them take about an eighth of the time
+    /// Most cells of the mesh from start to goal: half as many take about an eighth of the time
     #[arg(long, value_name = "N", default_value_t = 320, value_parser = cells)]
     pub(in crate::cli) cells: usize,
     /// Print the bounds as JSON

@@ -60,13 +60,13 @@ pub(super) enum Command {
     Upload(Upload),
     /// Launch the fleet, monitor and record the flight, and judge it
     Fly(Fly),
-    /// Attach to a flight that goes on, or take it over in the air after a crash
+    /// Attach to a flight in progress, or take it over in the air after a crash
     Watch(Watch),
     /// Plan new paths around a threat for vehicles in flight, and upload them
     Replan(Replan),
     /// Read mission, fence and rally points from a vehicle into a file
     Download(Download),
-    /// Convert a mission file to another format, and report what that cannot hold
+    /// Convert a mission file to another format, and report what the new format cannot hold
     #[command(after_help = CONVERT)]
     Convert(Convert),
     /// Run the simulated vehicles of a spec, for any ground station, until Ctrl-C
@@ -77,7 +77,7 @@ pub(super) enum Command {
     /// Evaluate candidate paths from stdin for an external optimiser, costs to stdout
     #[command(after_help = EVALUATE)]
     Evaluate(Evaluate),
-    /// Prove a bound of the costs in altitude too, with a certificate that others can check
+    /// Prove a lower bound of the costs that includes altitude, with a certificate that others can check
     #[command(after_help = CERTIFY)]
     Certify(Certify),
     /// Run the paper's experiment and other studies
@@ -132,7 +132,7 @@ fn latitude_longitude(text: &str) -> Result<(f64, f64), String> {
 pub(super) struct Plan {
     /// The mission spec (YAML)
     pub(super) spec: PathBuf,
-    /// Output folder, replaced as a whole [default: out/<name>]
+    /// Output folder; an existing one is replaced as a whole [default: out/<name>]
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Seed instead of the spec's
@@ -279,7 +279,7 @@ pub(super) enum AirframeName {
     Copter,
     /// Fixed wing
     Plane,
-    /// Takes off and lands vertically, flies on its wing between
+    /// Takes off and lands vertically, flies on its wing in between
     Vtol,
 }
 
@@ -406,7 +406,7 @@ pub(super) enum ProfileName {
     Ardupilot,
     /// PX4
     Px4,
-    /// An autopilot that does not say which
+    /// Reports MAV_AUTOPILOT_GENERIC
     Generic,
 }
 

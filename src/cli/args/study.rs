@@ -66,7 +66,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Scenario {
-    /// Seed; each gives another mission of the same difficulty
+    /// Seed; each seed gives a different mission of the same difficulty
     #[arg(long, value_name = "N")]
     pub(in crate::cli) seed: u64,
     /// From 1 (5 threats, some kilometres) to 10 (40 threats, up to 200 km)
@@ -117,10 +117,10 @@ pub(in crate::cli) struct Paper {
     /// Also run MSFOA without its parts, one at a time
     #[arg(long)]
     pub(in crate::cli) ablations: bool,
-    /// Also run other readings of what the paper leaves open
+    /// Also run other interpretations of what the paper leaves open
     #[arg(long)]
     pub(in crate::cli) readings: bool,
-    /// Search the objective as published, gaps and all; excludes the default planner
+    /// Search the objective as published, with its gaps; excludes the default planner
     #[arg(long, alias = "printed-objective")]
     pub(in crate::cli) published_objective: bool,
     #[command(flatten)]

@@ -38,7 +38,7 @@ pub(in crate::cli) struct TerrainFetch {
 pub(in crate::cli) struct TerrainExport {
     /// The mission spec (YAML)
     pub(in crate::cli) spec: PathBuf,
-    /// Output folder, replaced as a whole [default: out/<name>.terrain]
+    /// Output folder; an existing one is replaced as a whole [default: out/<name>.terrain]
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) out: Option<PathBuf>,
     /// Metres between heights: the TERRAIN_SPACING of the vehicle

@@ -20,7 +20,7 @@ pub(in crate::cli) struct Upload {
     /// Capture every frame sent and received: a file, or a folder for one named after the time
     #[arg(long, value_name = "FILE or DIR")]
     pub(in crate::cli) tlog: Option<PathBuf>,
-    /// Send even if verification fails, or the vehicle is armed or not that of the spec
+    /// Send even if verification fails, or the vehicle is armed or is not that of the spec
     #[arg(long)]
     pub(in crate::cli) force: bool,
     /// Print one JSON document instead of the table
@@ -30,7 +30,7 @@ pub(in crate::cli) struct Upload {
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Download {
-    /// How the vehicle is reached: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
+    /// Link to the vehicle: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
     /// tcpin:HOST:PORT, serial:DEVICE:BAUD
     #[arg(long, value_name = "ADDR")]
     pub(in crate::cli) link: String,

@@ -80,7 +80,7 @@ impl Beats {
 }
 
 /// Attaches to the session of a flight, if one answers: its lines are shown, lines of the keyboard
-/// are its orders. Returns when the flight is over.
+/// are its orders. Returns when the flight has ended well (true), or at once if no session answers (false).
 ///
 /// # Errors
 /// The failure of the flight, or a session that ended without a verdict.

@@ -45,7 +45,7 @@ impl<'a> Encoder<'a> {
         straight_m(self.world.frame.origin().lat_deg)
     }
 
-    /// An encoder for a vehicle that stands at `home`, in the reference of the spec.
+    /// An encoder for a vehicle with its home at a place on this ground, in the altitude reference of the spec.
     pub(crate) fn new(
         world: &'a World,
         reference: AltitudeReference,

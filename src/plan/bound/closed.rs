@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::closed_ground::closed_ground;
+use super::closed_ground::{MIN_EARTH_RADIUS_M, closed_ground};
 use crate::numeric::geometry::{Point, Ring};
 use crate::spec::{MissionSpec, Placement, Zone};
 use crate::world::{Disc, PlanZone, World};
@@ -11,8 +11,6 @@ use crate::world::{Disc, PlanZone, World};
 const CORNERS: u32 = 64;
 /// Rounding of coordinates, metres.
 const ROUNDING_M: f64 = 0.01;
-/// The earth, rather too small, metres.
-const EARTH_RADIUS_M: f64 = 6_300_000.0;
 
 /// Closed polygons, counter-clockwise, holes in them clockwise.
 pub(super) fn closed_rings(spec: &MissionSpec, world: &World) -> Vec<Vec<Point>> {
@@ -75,7 +73,7 @@ fn inscribed(disc: &Disc) -> Option<Vec<Point>> {
 /// A disc that lies in another one on the plane and on the earth.
 pub(super) fn smaller(disc: &Disc) -> Disc {
     // The plane shows lengths far from its origin too short: a disc on the earth is smaller there.
-    let far = (disc.center.east_m.hypot(disc.center.north_m) + disc.radius_m) / EARTH_RADIUS_M;
+    let far = (disc.center.east_m.hypot(disc.center.north_m) + disc.radius_m) / MIN_EARTH_RADIUS_M;
     Disc {
         radius_m: disc.radius_m * (1.0 - far * far) - ROUNDING_M,
         ..*disc

@@ -3,15 +3,15 @@
 use geo::{BoundingRect, Polygon};
 
 use super::level_set::LevelGrid;
-use crate::geodesy::{EastNorth, LatLon};
+use crate::geodesy::{EastNorth, LatLon, METRES_PER_DEG};
 use crate::numeric::geometry::Point;
 use crate::spec::Hill;
 use crate::world::{Ground, Terrain, TerrainGrid, World};
 
 /// Rounding of the grid of the search and of coordinates, metres of height.
 const ROUNDING_M: f64 = 0.002;
-/// Metres in a degree on the sphere that analytic hills are drawn on.
-const METRES_PER_DEGREE: f64 = 111_195.08;
+/// Less than any radius of the earth, metres.
+pub(super) const MIN_EARTH_RADIUS_M: f64 = 6_300_000.0;
 /// How much planning coordinates and that sphere may differ in scale, both ways.
 const SCALE: f64 = 1.05;
 
@@ -97,17 +97,16 @@ impl Part {
     /// A line that is straight in latitude and longitude across a cell bends in the plane: how
     /// much the height may change over as much, metres.
     fn bend_m(&self, grid: &TerrainGrid) -> f64 {
-        const EARTH_RADIUS_M: f64 = 6_300_000.0;
         let lat = grid.row_lat_deg(self.rows.start).abs();
         let lat = lat
             .max(grid.row_lat_deg(self.rows.end).abs())
             .min(89.0)
             .to_radians();
-        let high_m = grid.row_step_deg * METRES_PER_DEGREE;
-        let wide_m = grid.column_step_deg * METRES_PER_DEGREE;
+        let high_m = grid.row_step_deg * METRES_PER_DEG;
+        let wide_m = grid.column_step_deg * METRES_PER_DEG;
         let narrow_m = wide_m * lat.cos();
         let across_sq = high_m * high_m + wide_m * wide_m;
-        let bend_m = across_sq * (1.0 + lat.tan()) / (4.0 * EARTH_RADIUS_M);
+        let bend_m = across_sq * (1.0 + lat.tan()) / (4.0 * MIN_EARTH_RADIUS_M);
         let mut steepest = 0.0_f64;
         for row in self.rows.clone() {
             for column in self.columns.clone() {

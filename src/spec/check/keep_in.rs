@@ -11,8 +11,8 @@ use crate::geodesy::{LatLon, LocalFrame, in_plane_m};
 const BEYOND_DEG: f64 = 0.05;
 
 impl Checker {
-    /// A zone to stay in, which holds at all heights and times; the inscribed polygon of a circle.
-    pub(super) fn keep_in(&mut self, path: &str, zone: Zone) -> Option<Zone> {
+    /// A zone to stay in; one with a floor, a ceiling or times is reported, because it holds always.
+    pub(super) fn check_keep_in(&mut self, path: &str, zone: Zone) -> Option<Zone> {
         if !zone.is_closed_throughout() {
             let found = "a zone to stay in with a floor, a ceiling or times";
             self.report(path, found, "keep_in at all heights and times");

@@ -74,7 +74,7 @@ impl Checker {
             let zone = self.shaped_zone((index, of), frame, references);
             match (zone, of.keep_in) {
                 (Some(zone), true) => {
-                    keep_in.extend(self.keep_in(&format!("zones[{index}]"), zone));
+                    keep_in.extend(self.check_keep_in(&format!("zones[{index}]"), zone));
                 }
                 (zone, _) => zones.extend(zone),
             }

@@ -205,10 +205,12 @@ impl Draft<'_> {
 
     /// A new goal for a vehicle from a pad.
     fn place_goal(&mut self, pad: EastNorth) -> EastNorth {
-        for tries in 0.. {
+        let mut tries = 0;
+        loop {
             let at = self.anywhere();
             // A full area takes more goals nearer to each other.
             let spacing_m = MIN_FROM_GOAL_M * 0.8_f64.powi(tries / 20_000);
+            tries += 1;
             let is_apart = |from: &[EastNorth], least_m: f64| {
                 from.iter().all(|other| other.distance_m(at) > least_m)
             };
@@ -221,7 +223,6 @@ impl Draft<'_> {
                 return at;
             }
         }
-        pad
     }
 
     fn table(&mut self, vehicles: usize) -> String {

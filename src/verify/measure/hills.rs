@@ -1,14 +1,12 @@
 //! Gaussian hills under a line: what each of them can do within a piece of it, and no more.
 
-use crate::geodesy::LatLon;
+use crate::geodesy::{LatLon, METRES_PER_DEG};
 use crate::spec::Hill;
 
 use super::outline::metres_per_degree;
 use super::patch::{ERROR_M, Patch, SHARE};
 use super::segment::DEVIATION_M;
 
-/// Metres in a degree on the sphere that analytic hills are drawn on.
-const METRES_PER_DEGREE: f64 = 111_195.08;
 /// What all hills that are left out of a piece may add together, metres.
 const LEFT_OUT_M: f64 = 1e-6;
 /// Halvings of a line: enough for centimetres on any of them.
@@ -64,7 +62,7 @@ pub(crate) struct Hills {
 impl Hills {
     pub(crate) fn new(base_m: f64, hills: &[Hill]) -> Self {
         let knoll = |hill: &Hill| {
-            let north = METRES_PER_DEGREE / hill.radius_m;
+            let north = METRES_PER_DEG / hill.radius_m;
             Knoll {
                 place: hill.place,
                 height_m: hill.height_m,
@@ -252,18 +250,18 @@ fn third_derivative(x: f64) -> f64 {
 mod tests {
     use proptest::prelude::*;
 
-    use super::{Hills, METRES_PER_DEGREE};
+    use super::{Hills, METRES_PER_DEG};
     use crate::geodesy::{Amsl, LatLon};
     use crate::spec::Hill;
     use crate::verify::measure::outline::metres_per_degree;
     use crate::world::Terrain;
 
     fn place((north_m, east_m): (f64, f64)) -> LatLon {
-        let lat_deg = 46.5 + north_m / METRES_PER_DEGREE;
+        let lat_deg = 46.5 + north_m / METRES_PER_DEG;
         let cos = 46.5_f64.to_radians().cos();
         LatLon {
             lat_deg,
-            lon_deg: 8.0 + east_m / METRES_PER_DEGREE / cos,
+            lon_deg: 8.0 + east_m / METRES_PER_DEG / cos,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The ground under a line, as a chain of parabolas.
 
-use crate::geodesy::LatLon;
+use crate::geodesy::{LatLon, METRES_PER_DEG};
 use crate::spec::Hill;
 use crate::world::{NoData, Terrain, TerrainGrid};
 
@@ -8,9 +8,6 @@ use super::hills::Hills;
 use super::outline::metres_per_degree;
 use super::patch::{ERROR_M, Patch, SHARE};
 use super::segment::{Chord, Stretch};
-
-/// Metres in a degree on the sphere that analytic hills are drawn on.
-const METRES_PER_DEGREE: f64 = 111_195.08;
 
 /// One bound for all hills together does where it lets parabolas be as long as this, metres.
 const GENTLE_M: f64 = 10.0;
@@ -128,7 +125,7 @@ impl<'a> Surface<'a> {
     /// Cuts close enough that a parabola through three points is within a millimetre.
     fn even_cuts(&self, from: LatLon, to: LatLon) -> (Vec<f64>, f64) {
         let length_m =
-            METRES_PER_DEGREE * (to.lat_deg - from.lat_deg).hypot(to.lon_deg - from.lon_deg);
+            METRES_PER_DEG * (to.lat_deg - from.lat_deg).hypot(to.lon_deg - from.lon_deg);
         let step_m = longest_m(self.third_derivative);
         #[expect(
             clippy::cast_possible_truncation,

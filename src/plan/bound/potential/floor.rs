@@ -172,8 +172,9 @@ impl<'a> Nodes<'a> {
     }
 
     fn longest_diagonal_m(&self) -> f64 {
-        const METRES_PER_DEGREE: f64 = 111_700.0;
-        METRES_PER_DEGREE * self.grid.row_step_deg.hypot(self.grid.column_step_deg)
+        // A degree is nowhere longer than this.
+        const MAX_METRES_PER_DEG: f64 = 111_700.0;
+        MAX_METRES_PER_DEG * self.grid.row_step_deg.hypot(self.grid.column_step_deg)
     }
 
     fn of_row_column(&self, row: usize, column: usize) -> Option<(Point, f64)> {

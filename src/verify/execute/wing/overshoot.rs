@@ -291,7 +291,7 @@ fn halfway(chord: &Chord, leg: &[Knot]) -> f64 {
     }
 }
 
-/// Distance of a place from the straight line between two others, metres.
+/// Distance of a place from the segment between two others, metres.
 fn cross_track_m(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
     let share = share(from, to, at);
     at.distance_m(EastNorth {
