@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::numeric::geometry;
+
 /// Height of a line, and width of a letter on average, as shares of the size.
 const LINE: f64 = 1.2;
 const LETTER: f64 = 0.58;
@@ -45,7 +47,7 @@ pub(in crate::report) struct Labels {
     size: f64,
     taken: Vec<Area>,
     /// Squares that paths lead through, by column and row.
-    crossed: BTreeSet<(i64, i64)>,
+    crossed: BTreeSet<(i32, i32)>,
 }
 
 impl Area {
@@ -86,14 +88,12 @@ impl Labels {
         let square = SQUARE * self.size;
         let mut last: Option<(f64, f64)> = None;
         for (x, y) in path {
-            let (from_x, from_y) = last.unwrap_or((x, y));
-            let steps = ((x - from_x).hypot(y - from_y) / square)
-                .ceil()
-                .clamp(1.0, 1e3);
-            for step in 1..=steps as u32 {
-                let share = f64::from(step) / steps;
-                let (x, y) = (from_x + share * (x - from_x), from_y + share * (y - from_y));
-                self.crossed.insert(cell(x / square, y / square));
+            let from = last.unwrap_or((x, y));
+            let steps = geometry::steps((x - from.0).hypot(y - from.1), square, (1, 1000));
+            for step in 1..=steps {
+                let share = f64::from(step) / f64::from(steps);
+                let at = (from.0 + share * (x - from.0), from.1 + share * (y - from.1));
+                self.crossed.insert(cell(at, square));
             }
             last = Some((x, y));
         }
@@ -102,19 +102,15 @@ impl Labels {
     /// What a label in this area would cover of other labels, marks and paths.
     fn covers(&self, area: &Area) -> f64 {
         let square = SQUARE * self.size;
-        let (from, to) = (
-            cell(area.left / square, area.top / square),
-            cell(area.right / square, area.bottom / square),
-        );
-        let crossed = (from.0..=to.0)
-            .map(|column| {
-                self.crossed
-                    .range((column, from.1)..=(column, to.1))
-                    .count()
-            })
-            .sum::<usize>();
-        let taken: f64 = self.taken.iter().map(|taken| taken.shared(area)).sum();
-        taken + square * square * crossed as f64
+        let (left, top) = cell((area.left, area.top), square);
+        let (right, bottom) = cell((area.right, area.bottom), square);
+        let crossed = (left..=right).flat_map(|column| {
+            self.crossed
+                .range((column, top)..=(column, bottom))
+                .map(|_| square * square)
+        });
+        let taken = self.taken.iter().map(|taken| taken.shared(area));
+        taken.chain(crossed).sum()
     }
 
     /// The first free anchor around a place, in small letters if necessary; if all
@@ -204,9 +200,10 @@ fn offsets(side: Side) -> [Offset; 7] {
     }
 }
 
-/// Column and row of a point, in squares.
-fn cell(x: f64, y: f64) -> (i64, i64) {
-    (x.floor() as i64, y.floor() as i64)
+/// Column and row of the square with a point.
+#[expect(clippy::cast_possible_truncation, reason = "saturates")]
+fn cell((x, y): (f64, f64), square: f64) -> (i32, i32) {
+    ((x / square).floor() as i32, (y / square).floor() as i32)
 }
 
 /// Width of a text of size 1: letters beyond ASCII may be wide.
