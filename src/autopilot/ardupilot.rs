@@ -305,6 +305,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     param_fence: parameters::ARDUCOPTER_FENCE,
     landing: Some(parameters::ARDUCOPTER_LANDING),
     returns_with: parameters::COPTER_RETURNS,
+    judged_with: parameters::COPTER_JUDGED,
     defaults: Defaults {
         cruise_parameter: "WPNAV_SPEED",
         speed_parameters: [None; 2],
@@ -354,6 +355,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     param_fence: parameters::ARDUPLANE_FENCE,
     landing: None,
     returns_with: parameters::PLANE_RETURNS,
+    judged_with: parameters::PLANE_JUDGED,
     // TECS_CLMB_MAX, TECS_SINK_MAX; no parameter has the acceleration of a takeoff run.
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",
@@ -406,6 +408,7 @@ pub(super) static QUADPLANE: Facts = Facts {
     param_fence: parameters::ARDUPLANE_FENCE,
     landing: Some(parameters::QUADPLANE_LANDING),
     returns_with: parameters::PLANE_RETURNS,
+    judged_with: parameters::QUADPLANE_JUDGED,
     // Climb and descent on rotors are slower than on the wing.
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",

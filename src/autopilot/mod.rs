@@ -41,7 +41,7 @@ pub use corner::{CornerLaw, Cornering, Skips, Stops, Turn};
 pub use mavlink::{command, frame};
 pub use modes::{Mode, Modes, mode_name};
 pub use parameters::{
-    COPTER_LEAN, LandingParameters, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit,
+    COPTER_LEAN, Judged, LandingParameters, PX4_LEAN, ParamFence, ParameterRow, SLOPE_MIN, Unit,
     in_unit_of, name_in, other_name, parameter,
 };
 pub use stored_form::{Stored, StoredRow};
@@ -192,6 +192,8 @@ pub struct Facts {
     /// Parameters that lead a return elsewhere than the verdict flies it, with the value of those
     /// that do not.
     pub returns_with: &'static [(&'static str, f64)],
+    /// Parameters that change how all of a mission is flown, with the values that the verdict knows.
+    pub judged_with: &'static [(&'static str, Judged)],
     /// What it flies with unless the spec says otherwise.
     pub defaults: Defaults,
     /// How it flies around a waypoint where it slows down for one: not on a wing.

@@ -3,8 +3,12 @@
 //! Names and defaults as in ArduCopter and ArduPlane 4.6 and PX4 1.16 to 1.18. A parameter that a
 //! version renamed has a row for each name.
 
+mod judged;
+
 use super::command;
 use super::version::{Version, VersionRange, version};
+pub use judged::Judged;
+pub(super) use judged::{COPTER_JUDGED, PLANE_JUDGED, PX4_JUDGED, QUADPLANE_JUDGED};
 
 /// Unit of the number that an autopilot stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,6 +177,8 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     until_4_5(p("LIM_ROLL_CD", 4500.0, CDeg)),
     p("NAVL1_PERIOD", 17.0, S),
     p("NAVL1_DAMPING", 0.75, Number),
+    // 0: circles are wider the higher, by the square of true over equivalent airspeed.
+    p("NAVL1_LIM_BANK", 0.0, Deg),
     p("WP_RADIUS", 90.0, M),
     p("WP_LOITER_RAD", 60.0, M),
     // Whole metres; the smallest change of altitude that is spread along a leg.

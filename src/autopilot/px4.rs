@@ -160,6 +160,7 @@ pub(super) static COPTER: Facts = Facts {
     param_fence: parameters::PX4_FENCE,
     landing: Some(parameters::PX4_LANDING),
     returns_with: parameters::PX4_RETURNS,
+    judged_with: parameters::PX4_JUDGED,
     defaults: Defaults {
         cruise_parameter: "MPC_XY_CRUISE",
         speed_parameters: [None, Some("MPC_XY_VEL_MAX")],

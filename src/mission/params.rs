@@ -275,6 +275,8 @@ impl List<'_> {
             let default = parameter(name).map_or(0.0, ParameterRow::default_si);
             self.set(name, default, "the verdict judges corners with it");
         }
+        let why = "circles have their radius at any altitude";
+        self.set("NAVL1_LIM_BANK", self.bank_deg(), why);
         let [new, old] = SLOPE_MIN;
         self.set(new, 1.0, "smaller changes of altitude are flown at once, m");
         self.set(old, 1.0, "the same before ArduPlane 4.7");

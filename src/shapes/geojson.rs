@@ -229,6 +229,23 @@ fn of_properties(properties: &JsonObject, over: &Geometry) -> Result<Limits, Str
     ))
 }
 
+/// The radius that makes a point a circle. One that cannot be read is an error: as a point it would close nothing.
+fn radius_m(properties: &JsonObject) -> Result<Option<f64>, String> {
+    let read = ["radius_m", "radius"];
+    if let Some(radius_m) = (read.iter()).find_map(|key| properties.get(*key)?.as_f64()) {
+        return Ok(Some(radius_m));
+    }
+    let mut properties = properties.iter();
+    match properties
+        .find(|(key, value)| key.to_lowercase().starts_with("radius") && !value.is_null())
+    {
+        Some((key, value)) => Err(format!(
+            "a point with {key} {value} (allowed: radius_m or radius, a number of metres)"
+        )),
+        None => Ok(None),
+    }
+}
+
 fn outlines(
     value: &GeometryValue,
     extent: Option<&Value>,
@@ -251,9 +268,7 @@ fn outlines(
                     )
                 }
                 Some(_) => return Err("an extent that is no circle".to_owned()),
-                None => ["radius_m", "radius"]
-                    .iter()
-                    .find_map(|key| properties.get(*key)?.as_f64()),
+                None => radius_m(properties)?,
             };
             let point = Geometry::Point(center);
             Ok(vec![

@@ -218,11 +218,15 @@ fn place(lat_deg: f64, lon_deg: f64) -> Result<LatLon, String> {
     LatLon::new(lat_deg, lon_deg).map_err(|error| error.to_string())
 }
 
-/// A circle of a radius that is one.
+/// A circle no wider than a quarter of the earth.
 fn circle(center: LatLon, radius_m: f64) -> Result<Geometry, String> {
-    match radius_m > 0.0 && radius_m.is_finite() {
+    /// From the equator to a pole, metres.
+    const MAX_RADIUS_M: f64 = 10_002_000.0;
+    match radius_m > 0.0 && radius_m <= MAX_RADIUS_M {
         true => Ok(Geometry::Circle { center, radius_m }),
-        false => Err(format!("a radius of {radius_m} m")),
+        false => Err(format!(
+            "a radius of {radius_m} m (allowed: up to {MAX_RADIUS_M} m)"
+        )),
     }
 }
 

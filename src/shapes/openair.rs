@@ -3,6 +3,7 @@
 
 use ::openair::{Airspace, Altitude, Arc, ArcSegment, Coord, Direction, Geometry as Outline};
 use ::openair::{Class, PolygonSegment};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use jiff::Timestamp;
@@ -21,7 +22,7 @@ const RECORDS: [&str; 12] = [
 
 /// Reads each block on its own, so that an error in one does not affect the others.
 pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = decoded(bytes);
     let mut collection = Collection::default();
     let (stray, blocks) = blocks(&text);
     if let Some(line) = stray {
@@ -36,10 +37,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
         let found: Vec<_> = ::openair::parse(parsed.as_bytes()).collect();
         match <[_; 1]>::try_from(found) {
             Ok([Ok(airspace)]) if is_open(&airspace) => collection.open += 1,
-            Ok([Ok(airspace)]) => match shape(&label, &airspace, &block) {
-                Ok(shape) => collection.shapes.push(shape),
-                Err(why) => collection.refused.push(Refused { name: label, why }),
-            },
+            Ok([Ok(airspace)]) => {
+                match angles(&block).and_then(|()| shape(&label, &airspace, &block)) {
+                    Ok(shape) => collection.shapes.push(shape),
+                    Err(why) => collection.refused.push(Refused { name: label, why }),
+                }
+            }
             Ok([Err(why)]) => collection.refused.push(Refused { name: label, why }),
             Err(found) => {
                 let why = found.into_iter().find_map(Result::err);
@@ -52,6 +55,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
         return Err(malformed("OpenAir", "no line begins with AC"));
     }
     Ok(collection)
+}
+
+/// UTF-8, else Latin-1, which many files are in.
+fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
+    }
 }
 
 /// The lines from each `AC` to the next, with the number of the first, and the first record before all of them.
@@ -101,6 +112,23 @@ fn name_of(block: &str) -> Option<String> {
 /// Class G without a type forbids nothing.
 fn is_open(airspace: &Airspace) -> bool {
     airspace.type_.is_none() && matches!(airspace.class, Class::G)
+}
+
+/// The parser takes any number of minutes and seconds.
+fn angles(block: &str) -> Result<(), String> {
+    let is_place = |line: &&str| {
+        ["DP", "DB", "V"].contains(&line.split_whitespace().next().unwrap_or_default())
+    };
+    let lines = block.lines().filter(is_place);
+    let words =
+        lines.flat_map(|line| line.split(|c: char| !(c.is_ascii_digit() || ":.".contains(c))));
+    for word in words.filter(|word| word.contains(':')) {
+        let mut parts = word.split(':').skip(1);
+        if parts.any(|part| part.parse().is_ok_and(|part: f64| part >= 60.0)) {
+            return Err(format!("{word} (allowed: minutes and seconds below 60)"));
+        }
+    }
+    Ok(())
 }
 
 fn shape(name: &str, airspace: &Airspace, block: &str) -> Result<Shape, String> {

@@ -64,6 +64,23 @@ fn no_parameter_of_a_vehicle_in_the_air_is_set() {
 }
 
 #[test]
+fn a_vehicle_without_a_fix_yet_is_waited_for() {
+    let plan = two();
+    let mut sky = setting(&plan);
+    // As ArduPlane 4.7.0-beta1 said in its first seconds, in 4 m/s of wind.
+    sky.down = Some(Box::new(|now, from, mut message| {
+        if from.system == 1 && now < Time(20_000) {
+            position(&mut message, |position| {
+                (position.x, position.y, position.amsl_mm) = (-2664, -1548, -150);
+            });
+        }
+        vec![(from, message)]
+    }));
+    let outcome = sky.fly_out();
+    assert!(matches!(outcome, Outcome::Flown), "{outcome:?}");
+}
+
+#[test]
 fn no_parameter_of_a_vehicle_that_stands_elsewhere_is_set() {
     let plan = two();
     let mut sky = setting(&plan);

@@ -519,7 +519,11 @@ fn wing(autopilot: Autopilot, items: &[Item]) -> (MissionSpec, VehicleMission) {
     let mut all = vec![up, speed];
     all.extend_from_slice(items);
     let mut mission = mission(&vehicle, GROUND_M, all);
-    for (name, value) in [("WP_LOITER_RAD", 80.0), ("NAV_LOITER_RAD", 80.0)] {
+    for (name, value) in [
+        ("WP_LOITER_RAD", 80.0),
+        ("NAV_LOITER_RAD", 80.0),
+        ("NAVL1_LIM_BANK", 40.0),
+    ] {
         mission.params.push(Parameter {
             name: name.to_owned(),
             value,

@@ -4,7 +4,7 @@
 use crate::support;
 use crate::support::missions;
 use missions::{GROUND_M, at, land, level, mission, speed, takeoff, waypoint};
-use sortie::geodesy::{EastNorth, LatLon};
+use sortie::geodesy::{Amsl, EastNorth, LatLon, true_airspeed_ratio};
 use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
 use sortie::spec::*;
 use sortie::verify::{Limit, Margin, review, verified_trajectories};
@@ -186,6 +186,45 @@ fn a_bank_that_the_parameters_do_not_allow_makes_no_circle() {
         // 18.5^2 / (g tan 10 degrees).
         let found = radius(&with(&mission, name, value));
         assert!(!found.ok && (found.bound - 198.0).abs() < 2.0, "{found:?}");
+    }
+}
+
+#[test]
+fn a_plane_circles_wider_with_altitude_unless_its_bank_has_a_limit() {
+    let (spec, mission) = heron();
+    let radius_m = |mission: &VehicleMission| margin(&spec, mission, &Limit::LoiterRadius).value;
+    let dense = true_airspeed_ratio(Amsl(UP_M + 40.0)).powi(2);
+    assert!(dense > 1.02, "{dense}");
+    // Altitudes of items are float32.
+    assert!((radius_m(&mission) - 100.0 * dense).abs() < 0.01);
+    let limited = with(&mission, "NAVL1_LIM_BANK", 40.0);
+    assert!((radius_m(&limited) - 100.0).abs() < 1e-9);
+    // 18 m/s with 20 degrees need 91 m at the sea, with 15 degrees 123 m: that is too wide, and the limit no longer counts.
+    let flat = 18.0 * 18.0 / (GRAVITY_MPS2 * 20.0_f64.to_radians().tan()) * dense;
+    let steeper = with(&mission, "NAVL1_LIM_BANK", 20.0);
+    assert!((radius_m(&steeper) - flat.max(100.0)).abs() < 0.01);
+    let flatter = with(&mission, "NAVL1_LIM_BANK", 15.0);
+    assert!((radius_m(&flatter) - 100.0 * dense).abs() < 0.01);
+}
+
+#[test]
+fn parameters_that_change_the_flight_unknown_to_the_verdict_fail() {
+    let (spec, plane) = heron();
+    let judged = |name: &str, value: f32| {
+        let mission = with(&plane, name, value);
+        let review = review(&spec, &world(&spec), &[(0, &mission)]);
+        let mut margins = review.margins.into_iter();
+        let failed = margins.find(|margin| !margin.ok && margin.note.contains(name));
+        failed.map(|margin| margin.note)
+    };
+    for (name, known, unknown) in [
+        ("MIN_GROUNDSPEED", 0.0, 22.0),
+        ("FLIGHT_OPTIONS", 2.0, 16_384.0),
+        ("SOAR_ENABLE", 0.0, 1.0),
+    ] {
+        assert_eq!(judged(name, known), None);
+        let note = judged(name, unknown).unwrap_or_default();
+        assert!(note.contains("a flight with"), "{name}: {note}");
     }
 }
 

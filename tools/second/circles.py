@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .flight import HOLD, RETURN, SAME_M, TO_ALT
-from .l1 import STEP_S, WAY_M
+from .flight import G, HOLD, RETURN, SAME_M, TO_ALT
+from .l1 import STEP_S, WAY_M, air_ratio
 from .shapes import Height, Line, Point
 
 ORBIT_PIECES = 100  # of half an orbit in wind
@@ -126,7 +126,18 @@ class Circles:
                 speed = self.over_ground(self.speed, amsl, clockwise)
                 self.move(shape, (k / pieces, (k + 1) / pieces), (speed, speed), shape.length / pieces)
 
+    def widened(self, radius, amsl):
+        """ArduPlane flies circles wider the higher, unless its bank at sea level has a limit that they keep."""
+        if not self.ardupilot:
+            return radius
+        dense = air_ratio(max(amsl, self.knots[-1].amsl)) ** 2
+        tangent = math.tan(math.radians(min(max(self.params.get("NAVL1_LIM_BANK", 0.0), 0.0), 89.0)))
+        if tangent == 0 or self.speed**2 / (G * tangent) > abs(radius):
+            return radius * dense
+        return math.copysign(max(abs(radius), dense * self.speed**2 / (G * tangent)), radius)
+
     def stay(self, at, amsl, radius):
+        radius = self.widened(radius, amsl)
         last, middle, edge = self.enter(at, amsl, radius)
         self.orbit(middle, edge, radius, amsl)
         rim = abs(radius)
@@ -138,7 +149,7 @@ class Circles:
 
     def circle_a_while(self, item, onto):
         amsl, _ = self.resolve(item, item["at"])
-        radius = self.radius_of(item)
+        radius = self.widened(self.radius_of(item), amsl)
         last, middle, edge = self.enter(item["at"], amsl, radius)
         self.orbit(middle, edge, radius, amsl)
         rim = abs(radius)

@@ -178,7 +178,7 @@ def write_params(rng, path, vehicle):
     else:
         some = {"NAVL1_PERIOD": round(rng.uniform(14, 22), 1), "NAVL1_DAMPING": round(rng.uniform(0.7, 0.85), 2),
                 "WP_RADIUS": float(rng.integers(20, 100)), "ROLL_LIMIT_DEG": float(rng.integers(30, 50)),
-                "ALT_SLOPE_MIN": float(rng.integers(0, 20))}
+                "ALT_SLOPE_MIN": float(rng.integers(0, 20)), "NAVL1_LIM_BANK": float(rng.integers(0, 45))}
         rows = [f"{name},{value:g}" for name, value in some.items() if rng.random() < 0.5]
         rows += [f"WP_LOITER_RAD,{radius}", f"RTL_ALTITUDE,{rng.integers(60, 200)}"]
     path.write_text("\n".join(rows) + "\n")

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{corner, named, refused, shapes};
+use super::{corner, named, read, refused, shapes};
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 use crate::shapes::{Format, Geometry, Height, write_as};
 use geo::Contains;
@@ -94,6 +94,67 @@ fn openair_opens_no_zone_by_what_it_does_not_read() {
         assert_eq!(found.refused.len(), 1, "{before}: {found:?}");
         assert_eq!(found.shapes.len(), 1);
     }
+}
+
+#[test]
+fn coordinates_of_openair_have_fewer_than_sixty_minutes_and_seconds() {
+    let of = |corner: &str| {
+        let corners =
+            format!("DP {corner}\nDP 47:25:00 N 008:30:00 E\nDP 47:25:00 N 008:31:00 E\n");
+        shapes(
+            "a.txt",
+            &format!("AC R\nAN Z 47:99\nAL GND\nAH UNL\n{corners}"),
+        )
+    };
+    for (corner, is_read) in [
+        ("47:20:59 N 008:59:59.9 E", true),
+        ("47:20.5 N 008:30.5 E", true),
+        ("47:20:99 N 008:30:00 E", false),
+        ("47:20:00 N 008:75:00 E", false),
+        ("47:75 N 008:30 E", false),
+    ] {
+        let found = of(corner);
+        assert_eq!(found.refused.is_empty(), is_read, "{corner}: {found:?}");
+    }
+}
+
+#[test]
+fn names_of_openair_in_latin_1_are_read() {
+    let text = "AC R\nAN Z\u{fc}rich\nAL GND\nAH UNL\nDP 47:24:00 N 008:30:00 E\nDP 47:25:00 N 008:30:00 E\nDP 47:25:00 N 008:31:00 E\n";
+    let bytes: Vec<u8> = text.chars().map(|c| c as u8).collect();
+    let found = read("a.txt", &bytes).expect("it is OpenAir");
+    assert_eq!(found.shapes[0].name, "Z\u{fc}rich");
+}
+
+#[test]
+fn a_point_of_geojson_whose_radius_is_not_read_is_refused_by_name() {
+    let point = |radius: &str| {
+        let text = format!(
+            r#"{{"type": "FeatureCollection", "features": [{{"type": "Feature", "properties": {{"name": "mast"{radius}}},
+            "geometry": {{"type": "Point", "coordinates": [8.51, 47.41]}}}}]}}"#
+        );
+        shapes("a.geojson", &text)
+    };
+    for radius in [
+        r#", "radius": "200""#,
+        r#", "Radius": 300"#,
+        r#", "radius_km": 2"#,
+        r#", "radius": {"value": 3}"#,
+    ] {
+        let found = point(radius);
+        assert_eq!(refused(&found), ["mast"], "{radius}");
+    }
+    assert!(matches!(
+        point(r#", "radius_m": 300"#).shapes[0].geometry,
+        Geometry::Circle { .. }
+    ));
+    assert!(matches!(point("").shapes[0].geometry, Geometry::Point(_)));
+}
+
+#[test]
+fn a_circle_wider_than_the_earth_is_refused() {
+    let text = "AC R\nAN Z\nAL GND\nAH UNL\nV X=47:24:00 N 008:30:00 E\nDC 1000000000\n";
+    assert_eq!(refused(&shapes("a.txt", text)), ["Z"]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::{Limits, Settings};
 use crate::simulator::profile::Profile;
+use crate::spec::GRAVITY_MPS2;
 
 /// How the altitude follows what is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,8 @@ pub(crate) struct WingLimits {
     pub(crate) damping: f64,
     pub(crate) passes: Passes,
     pub(crate) loiter_radius_m: f64,
+    /// ArduPlane: the bank of circles at sea level, 0 for none; they are wider higher up.
+    pub(crate) circle_bank_rad: Option<f64>,
     /// ArduPlane: smaller changes of altitude are flown at once.
     pub(crate) slope_min_m: f64,
     pub(crate) takeoff_pitch_rad: f64,
@@ -57,6 +60,24 @@ pub(crate) struct WingLimits {
     pub(crate) disarm_ms: u64,
     /// Height above home of a return.
     pub(crate) return_m: f64,
+}
+
+impl WingLimits {
+    /// The radius of a circle as it is flown at a ratio of true to equivalent airspeed, metres
+    /// (`AP_L1_Control::loiter_radius`).
+    pub(crate) fn circle_m(&self, stated_m: f64, ratio: f64) -> f64 {
+        let Some(bank_rad) = self.circle_bank_rad else {
+            return stated_m;
+        };
+        let at_sea_m = self.airspeed_mps.powi(2) / (GRAVITY_MPS2 * bank_rad.tan());
+        match at_sea_m > stated_m.abs() {
+            true => stated_m * ratio * ratio,
+            false => stated_m
+                .abs()
+                .max(at_sea_m * ratio * ratio)
+                .copysign(stated_m),
+        }
+    }
 }
 
 impl Settings {
@@ -91,6 +112,7 @@ impl Settings {
                 radius_m: self.of_name("WP_RADIUS").max(1.0),
             },
             loiter_radius_m: self.of_name("WP_LOITER_RAD"),
+            circle_bank_rad: Some(self.of_name("NAVL1_LIM_BANK").clamp(0.0, 89.0).to_radians()),
             slope_min_m: if slope_min_m > 0.0 {
                 slope_min_m
             } else {
@@ -133,6 +155,7 @@ impl Settings {
                 landing_height_m: self.of_name("NAV_FW_ALTL_RAD").max(0.1),
             },
             loiter_radius_m: self.of_name("NAV_LOITER_RAD"),
+            circle_bank_rad: None,
             slope_min_m: 0.0,
             takeoff_pitch_rad: self.of_name("FW_TKO_PITCH_MIN").to_radians(),
             flare_m: self.of_name("FW_LND_FLALT").max(0.1),

@@ -337,7 +337,8 @@ impl Pilot {
         items: &[Item],
         limits: &WingLimits,
     ) {
-        let (leg, radius_m) = (&mut circle.leg, circle.radius_m);
+        let ratio = true_airspeed_ratio(Amsl(at_m[2]));
+        let (leg, radius_m) = (&mut circle.leg, limits.circle_m(circle.radius_m, ratio));
         let middle_m = [leg.to_m[0], leg.to_m[1]];
         let (across_mps2, circles) = self.motion(at_m).around(middle_m, radius_m, limits);
         if circles {

@@ -25,6 +25,7 @@ use super::item::{self, Height, Order};
 use super::legs::Knot;
 use super::trajectory::TrajectoryBuilder;
 use super::wing::altitude_lag;
+use super::wing::circle_radius::Widening;
 use super::wing::l1::Guidance;
 use crate::verify::measure::segment::Phase;
 
@@ -32,6 +33,15 @@ use crate::verify::measure::segment::Phase;
 pub(crate) const SAME_PLACE_M: f64 = 0.025;
 /// Places further from the origin than this are beyond the local frame.
 const REACH_M: f64 = 500_000.0;
+
+/// Why its parameters make the vehicle fly all of its mission otherwise than this verdict does, if they do.
+fn other_flight(mission: &VehicleMission) -> Option<String> {
+    let mut known = mission.facts().judged_with.iter();
+    known.find_map(|(name, judged)| {
+        let held = mission.param(name).filter(|held| !judged.knows(*held))?;
+        Some(format!("a flight with {name} {held} (judged: {judged})"))
+    })
+}
 
 /// Flies a mission from a home (its place, and the altitude the autopilot measures from).
 pub(crate) fn fly(
@@ -64,6 +74,7 @@ pub(crate) fn fly(
         moving_mps: 0.0,
         at_once_m: altitude_lag::threshold_m(mission),
         guidance: Guidance::of(vehicle, mission),
+        widening: Widening::of(vehicle, mission),
         early_top: None,
         accept_m: acceptance_m(mission, 0),
         law: vehicle.facts().corners.map(|law| {
@@ -122,6 +133,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) at_once_m: f64,
     /// What steers it, if that is known to leave its legs.
     pub(crate) guidance: Option<Guidance>,
+    /// How its circles widen with altitude, if they do.
+    pub(crate) widening: Option<Widening>,
     /// Where a plane may have the height of its takeoff, until it goes on from there.
     pub(crate) early_top: Option<EarlyTop>,
     /// A copter accepts the place of the item at work within this radius, metres.
@@ -176,6 +189,9 @@ impl Pilot<'_> {
 
     /// Obeys every order; says from where on the flight is not known, if so.
     fn fly(&mut self, orders: &Orders, mission: &VehicleMission) -> Option<Unknown> {
+        if let Some(why) = other_flight(mission) {
+            return Some(Unknown { row: 1, why });
+        }
         let items = mission.items.len();
         let mut first = 0;
         for (index, step) in orders.steps.iter().enumerate() {

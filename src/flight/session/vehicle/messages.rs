@@ -3,8 +3,10 @@
 use super::{FlightVehicle, Stage};
 use crate::autopilot::Version;
 use crate::flight::event::says;
+use crate::flight::launch::readiness;
 use crate::flight::record::Fix;
 use crate::flight::session::modes;
+use crate::geodesy::LatLon;
 use crate::link::{
     AUTOPILOT_INVALID, Address, CommandResult, FlightMessage, Heartbeat, Message, Position, Time,
 };
@@ -17,6 +19,9 @@ const AWAY_M: f64 = 150.0;
 /// One that waits for its start has taken off if it is so much higher than its home, by its height above it and
 /// by its altitude, metres: both drift on the ground.
 const STARTED_M: f64 = 5.0;
+
+/// A place nearer to 0, 0 than this is none, metres.
+const NO_FIX_M: f64 = 1000.0;
 
 /// Nanoseconds in a millisecond. Questions for the time are in whole ones, and our component id.
 const NS_IN_MS: i64 = 1_000_000;
@@ -261,6 +266,9 @@ impl FlightVehicle<'_> {
             }
             return self.note_invalid(position);
         }
+        if !self.airborne && self.has_no_fix_yet(position) {
+            return;
+        }
         if t0_ms.is_none() {
             self.heed_restart(position.boot_ms);
         }
@@ -311,6 +319,14 @@ impl FlightVehicle<'_> {
             // Its flight is not over before its motors stand, or are left running.
             self.record_fix(fix);
         }
+    }
+
+    /// Whether it says a place near 0, 0 and its home is elsewhere: an ArduPlane whose GPS has no fix yet
+    /// does, tens of metres off in wind.
+    fn has_no_fix_yet(&self, position: &Position) -> bool {
+        let nowhere = LatLon::of_e7(0, 0);
+        let home = readiness::place(&self.of.mission.home);
+        position.place().chord_m(nowhere) < NO_FIX_M && home.chord_m(nowhere) > 2.0 * NO_FIX_M
     }
 
     /// Whether it did not wait for its start: from then on it is one that flies.

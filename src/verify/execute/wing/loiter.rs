@@ -33,6 +33,22 @@ const INSIDE_SHARE: f64 = 0.2;
 const ALIGNED_TURNS: f64 = 1.25;
 
 impl Pilot<'_> {
+    /// The radius of a circle as it is flown, metres; its sign is the direction. One that begins higher is
+    /// the wider there.
+    pub(crate) fn flown_radius_m(
+        &self,
+        (row, place, height): (usize, LatLon, Height),
+        stated_m: f64,
+    ) -> Result<f64, Unknown> {
+        let Some(widening) = self.widening else {
+            return Ok(stated_m);
+        };
+        let (amsl_m, _) = self.resolve(row, place, height)?;
+        let airspeed_mps = self.speed_mps.unwrap_or(self.vehicle.speed_mps);
+        let highest = Amsl(amsl_m.max(self.last().amsl_m));
+        Ok(widening.radius_m(stated_m, highest, airspeed_mps))
+    }
+
     /// Circles for a while, then goes on.
     pub(crate) fn circle_a_while(
         &mut self,
@@ -41,10 +57,11 @@ impl Pilot<'_> {
         next: &After<'_>,
     ) -> Result<(), Unknown> {
         let from = self.last();
-        let (middle, rim) = self.enter_circle((row, place, height), circle.radius_m)?;
-        let rim_m = circle.radius_m.abs();
+        let radius_m = self.flown_radius_m((row, place, height), circle.radius_m)?;
+        let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
+        let rim_m = radius_m.abs();
         let (begin_s, first) = (self.trajectory.t_s, self.trajectory.chords.len());
-        self.orbit(row, middle, rim, circle.radius_m)?;
+        self.orbit(row, middle, rim, radius_m)?;
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
         let reach_m = self.reach_of_circle_m(rim_m, is_aligned);

@@ -249,6 +249,7 @@ impl Pilot<'_> {
         radius_m: f64,
     ) -> Result<(), Unknown> {
         let from = self.last();
+        let radius_m = self.flown_radius_m((row, place, height), radius_m)?;
         let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
         let rim_m = radius_m.abs();
         let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));

@@ -32,6 +32,11 @@
 //! within the circle it flies straight out to the rim, from the middle north, and is anywhere within `r + 2 R` at
 //! the altitudes before and after.
 //!
+//! **The radius of a circle** of ArduPlane is the stated one times the square of the true over the indicated
+//! airspeed at its altitude, or where it comes from if that is higher. With a bank `b` of `NAVL1_LIM_BANK` and
+//! `r0 = v^2 / g tan b` at the indicated airspeed no wider than stated, it is the stated one, or `r0` times that square if
+//! that is more (`AP_L1_Control::loiter_radius`).
+//!
 //! **On a circle.** The orbit. Of ArduPlane rings from `r - 0.2 R` to `r + 0.75 R`, or `1.2 r` of one that it
 //! leaves if that is more: at the altitude of the circle, 6 m and what is left of a climb lower, 6 m and what is
 //! left of a descent higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
@@ -65,6 +70,7 @@
 
 pub(crate) mod altitude_lag;
 pub(crate) mod altitude_offsets;
+pub(crate) mod circle_radius;
 pub(crate) mod drift;
 pub(crate) mod items;
 pub(crate) mod l1;

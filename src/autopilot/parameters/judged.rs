@@ -1,0 +1,100 @@
+//! Parameters with which the verdict does not know how a mission is flown.
+
+use std::fmt;
+
+/// The values of a parameter with which the verdict knows how a mission is flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Judged {
+    /// This whole number.
+    Is(i32),
+    /// 0 to this.
+    UpTo(f64),
+    /// Below 0.
+    Negative,
+    /// Any in which none of these bits is set.
+    Without(u32),
+}
+
+impl Judged {
+    /// Whether the value of a file is one of them.
+    #[must_use]
+    pub fn knows(self, value: f64) -> bool {
+        match self {
+            Self::Is(whole) => (value - f64::from(whole)).abs() < 1e-6,
+            Self::UpTo(most) => (0.0..=most).contains(&value),
+            Self::Negative => value < 0.0,
+            Self::Without(bits) => (0..32).all(|bit| {
+                let weight = f64::from(1_u32 << bit);
+                bits >> bit & 1 == 0 || value.rem_euclid(2.0 * weight) < weight
+            }),
+        }
+    }
+}
+
+impl fmt::Display for Judged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Is(whole) => write!(f, "{whole}"),
+            Self::UpTo(most) => write!(f, "0 to {most}"),
+            Self::Negative => f.write_str("below 0"),
+            Self::Without(bits) => write!(f, "without the bits of {bits}"),
+        }
+    }
+}
+
+const OFF: Judged = Judged::Is(0);
+/// Below 0 PX4 leaves the parameters alone that these set.
+const UNSET: Judged = Judged::Negative;
+
+/// `PSC_ANGLE_MAX` limits the lean below `ANGLE_MAX`; with `OA_TYPE` it stops at waypoints and goes around.
+pub(in crate::autopilot) const COPTER_JUDGED: &[(&str, Judged)] =
+    &[("PSC_ANGLE_MAX", OFF), ("OA_TYPE", OFF)];
+/// `IMMEDIATE_CLIMB_IN_AUTO` (bit 14); in wind a ground speed that is held, up and down in thermals.
+pub(in crate::autopilot) const PLANE_JUDGED: &[(&str, Judged)] = &[
+    ("FLIGHT_OPTIONS", Judged::Without(1 << 14)),
+    ("MIN_GROUNDSPEED", OFF),
+    ("MIN_GNDSPD_CM", OFF),
+    ("SOAR_ENABLE", OFF),
+];
+/// Those of `Q_OPTIONS` for an approach on the wing (bit 4) and altitudes of takeoffs (bit 3).
+pub(in crate::autopilot) const QUADPLANE_JUDGED: &[(&str, Judged)] = &[
+    ("FLIGHT_OPTIONS", Judged::Without(1 << 14)),
+    ("MIN_GROUNDSPEED", OFF),
+    ("MIN_GNDSPD_CM", OFF),
+    ("SOAR_ENABLE", OFF),
+    ("Q_OPTIONS", Judged::Without(1 << 3 | 1 << 4)),
+    ("Q_ENABLE", Judged::Is(1)),
+];
+/// The first three set others (`MulticopterPositionControl::parameters_update`): speeds, accelerations,
+/// lean; a wing goes faster in wind than planned for the last.
+pub(in crate::autopilot) const PX4_JUDGED: &[(&str, Judged)] = &[
+    ("MPC_XY_VEL_ALL", UNSET),
+    ("MPC_Z_VEL_ALL", UNSET),
+    ("SYS_VEHICLE_RESP", UNSET),
+    ("FW_GND_SPD_MIN", Judged::UpTo(5.0)),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::{Judged, OFF, UNSET};
+
+    #[test]
+    fn other_values_than_the_judged_ones_are_found() {
+        let bits = Judged::Without(1 << 3 | 1 << 4);
+        for (judged, value, is_known) in [
+            (bits, 0.0, true),
+            (bits, 7.0, true),
+            (bits, 8.0, false),
+            (bits, 16.0, false),
+            (bits, 32.0 + 16.0, false),
+            (bits, 32.0, true),
+            (OFF, 0.0, true),
+            (OFF, 5.0, false),
+            (UNSET, -10.0, true),
+            (UNSET, 0.0, false),
+            (UNSET, 6.1, false),
+        ] {
+            assert_eq!(judged.knows(value), is_known, "{judged} {value}");
+        }
+    }
+}
