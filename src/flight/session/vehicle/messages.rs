@@ -152,7 +152,9 @@ impl FlightVehicle<'_> {
         match message {
             FlightMessage::Position(position) => {
                 self.position_at = Some(now);
-                self.position(flight_ms, t0_ms, position);
+                if self.airborne || !self.has_no_fix_yet(position) {
+                    self.position(flight_ms, t0_ms, position);
+                }
             }
             FlightMessage::ItemReached { seq } => {
                 let row = self.row(*seq);
@@ -265,9 +267,6 @@ impl FlightVehicle<'_> {
                 self.take_placeless(t_s, position);
             }
             return self.note_invalid(position);
-        }
-        if !self.airborne && self.has_no_fix_yet(position) {
-            return;
         }
         if t0_ms.is_none() {
             self.heed_restart(position.boot_ms);

@@ -65,11 +65,10 @@ impl Pilot<'_> {
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
         let reach_m = self.reach_of_circle_m(rim_m, is_aligned);
-        let climb_m = rim.amsl_m - from.amsl_m;
         let (needed_s, more_s) = match circle.until {
             Until::Turns(turns) => (turns * orbit_s, 0.0),
             Until::Seconds(seconds) => (seconds, 0.0),
-            Until::Altitude => (0.0, self.climb_s(climb_m)),
+            Until::Altitude => (0.0, self.climb_s(rim.amsl_m - from.amsl_m)),
         };
         // It may leave from the side of its circle that is nearest to the next place.
         let sooner_s = orbit_s * reach_m / (TAU * rim_m);
