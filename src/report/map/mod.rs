@@ -273,16 +273,12 @@ fn names(scene: &Scene, view: &View) -> Vec<Name<'static>> {
         let corners = &zone.ring[..zone.ring.len().saturating_sub(1)];
         let count = f64::from(u32::try_from(corners.len().max(1)).unwrap_or(u32::MAX));
         let middle = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / count;
-        let below_m = zone.below_m.filter(|_| *name == zone.id);
-        let below = below_m.map_or_else(String::new, |below_m| {
-            format!(" below {} m", words::number(below_m, 0))
-        });
         Some(Name {
             class: "of-zone",
             at: (view.x(middle(0)), view.y(middle(1))),
             side: Side::Middle,
             colour: ZONE,
-            text: format!("{name}{below}"),
+            text: format!("{name}{}", zone.heights),
         })
     });
     of_vehicles.chain(of_threats).chain(of_zones).collect()

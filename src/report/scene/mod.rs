@@ -8,10 +8,12 @@ mod track;
 
 use serde::Serialize;
 
-use crate::geodesy::{EastNorth, LatLon, PlanPoint};
+use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::report::{ReviewInput, words};
-use crate::spec::{Arrival, Finish, MissionSpec, Stop, SweepShape, Vehicle, Zone};
+use crate::spec::{
+    Arrival, Finish, MissionSpec, Placement, Stop, SweepShape, Vehicle, Zone, dome_of,
+};
 use crate::verify::Limit;
 use crate::world::{PlanZone, World};
 use flown::FlownShape;
@@ -73,8 +75,11 @@ pub(in crate::report) struct ThreatShape {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in crate::report) struct ZoneShape {
     pub(in crate::report) id: String,
-    /// What is written in its middle: once for all spans of a line.
+    /// What is written in its middle: once for all spans of a line and all layers of a dome.
     pub(in crate::report) name: Option<String>,
+    /// Between which heights it is closed, behind its name on the map.
+    #[serde(skip)]
+    pub(in crate::report) heights: String,
     pub(in crate::report) ring: Vec<[f64; 2]>,
     pub(in crate::report) below_m: Option<f64>,
 }
@@ -162,6 +167,7 @@ impl Scene {
                 .map(|((zone, shape), name)| ZoneShape {
                     id: zone.id.clone(),
                     name,
+                    heights: heights(zone),
                     ring: ring(&shape.outline),
                     below_m: top_m(world, shape),
                 })
@@ -186,19 +192,39 @@ impl Scene {
     }
 }
 
-/// The name that is written in each zone. What follows each other as parts of one line has its name in
+/// Between which heights a zone is closed; nothing of a layer or part.
+fn heights(zone: &Zone) -> String {
+    let text = |height: Placement| match height {
+        Placement::Agl(Agl(agl_m)) => format!("{} m AGL", words::number(agl_m, 0)),
+        Placement::Amsl(Amsl(amsl_m)) => format!("{} m AMSL", words::number(amsl_m, 0)),
+    };
+    match (zone.floor.map(text), zone.ceiling.map(text)) {
+        _ if whole(zone).is_some() => String::new(),
+        (None, None) => String::new(),
+        (None, Some(ceiling)) => format!(" below {ceiling}"),
+        (Some(floor), None) => format!(" above {floor}"),
+        (Some(floor), Some(ceiling)) => format!(" {floor} to {ceiling}"),
+    }
+}
+
+/// The line, building or dome that a zone is a part of.
+fn whole(zone: &Zone) -> Option<&str> {
+    zone.part_of.as_deref().or_else(|| dome_of(zone))
+}
+
+/// The name that is written in each zone. What follows each other as parts of one whole has its name in
 /// the middle one.
 fn zone_names(zones: &[Zone]) -> Vec<Option<String>> {
-    let is_whole = |one: &Zone, other: &Zone| one.part_of.is_some() && one.part_of == other.part_of;
+    let is_whole = |one: &Zone, other: &Zone| whole(one).is_some() && whole(one) == whole(other);
     let wholes = zones.chunk_by(is_whole);
     let names = wholes.flat_map(|parts| {
         let middle = parts.len() / 2;
         let name = |(index, part): (usize, &Zone)| {
             let name = match parts.len() {
-                1 => Some(&part.id),
-                _ => part.part_of.as_ref().filter(|_| index == middle),
+                1 => Some(part.id.as_str()),
+                _ => whole(part).filter(|_| index == middle),
             };
-            name.cloned()
+            name.map(str::to_owned)
         };
         parts.iter().enumerate().map(name).collect::<Vec<_>>()
     });
