@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::{altitude_mode, landing_pattern};
+use crate::formats::text::number;
 
 /// Known keys: those that the reader takes, and those that only affect the display.
 const ROOT: &[&str] = &[
@@ -128,6 +129,15 @@ impl Dropped {
 
     fn item(&mut self, at: &str, item: &Value, known: &[&str]) {
         self.keys(at, item, known);
+        let frame = item["frame"]
+            .as_u64()
+            .and_then(|frame| u8::try_from(frame).ok());
+        for (index, value) in list(&item["params"]).filter(|(index, _)| (4..6).contains(index)) {
+            let rounded = value.as_f64().zip(frame);
+            if let Some(text) = rounded.and_then(|(value, frame)| number::rounded(frame, value)) {
+                self.notes.push(format!("{at}.params[{index}]: {text}"));
+            }
+        }
         if item["AltitudeMode"].as_u64() == Some(altitude_mode::CALCULATED) {
             self.notes.push(format!(
                 "{at}.AltitudeMode: drawn above terrain, kept as the altitude that is flown"

@@ -34,6 +34,14 @@ pub(crate) fn coordinate(frame: u8, value: f64) -> Option<i32> {
     Some(scaled)
 }
 
+/// What becomes of a coordinate that an item in a frame without degrees cannot hold, in words.
+pub(crate) fn rounded(frame: u8, value: f64) -> Option<String> {
+    let scale = scale(frame);
+    let held = (value * scale).round() / scale;
+    let is_held = scale > 1e6 || (value - held).abs() <= 1e-6 / scale;
+    (!is_held).then(|| format!("{value} becomes {held} (an item in frame {frame} holds no more)"))
+}
+
 /// The f64 whose shortest decimals are those of the f32, if it reads back as the same f32.
 pub(crate) fn shortest(value: f32) -> f64 {
     let exact = f64::from(value);
@@ -57,6 +65,20 @@ pub(crate) fn float(value: f64) -> f32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn coordinates_that_a_frame_cannot_hold_are_found() {
+        for (frame, value, is_held) in [
+            (2, 47.0, true),
+            (2, 47.41, false),
+            (2, 0.5, false),
+            (1, 12.345_6, true),
+            (1, 12.345_678, false),
+            (3, 47.123_456_789, true),
+        ] {
+            assert_eq!(rounded(frame, value).is_none(), is_held, "{frame} {value}");
+        }
+    }
 
     #[test]
     fn coordinates_have_all_their_digits_and_their_sign() {

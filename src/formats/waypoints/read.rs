@@ -2,6 +2,7 @@
 
 use crate::formats::text::TextReader;
 use crate::formats::text::field::{Field, byte, command_number, float, scaled, whole};
+use crate::formats::text::number;
 use crate::formats::{Document, FormatError};
 use crate::mission::{Home, Item, command, frame};
 
@@ -152,6 +153,13 @@ impl Reader {
                 extra.column,
                 "fields after the twelfth were left out",
             );
+        }
+        for at in [8, 9] {
+            let value = fields.get(at).and_then(|field| field.text.parse().ok());
+            if let Some(text) = value.and_then(|value| number::rounded(frame, value)) {
+                let text = format!("line {}: {text}", row.line);
+                self.document.dropped.push(text);
+            }
         }
         self.place(row, sequence, item, has_home)
     }
