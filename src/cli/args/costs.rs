@@ -13,7 +13,7 @@ pub(super) const EVALUATE: &str = "A candidate is 3 x control_points numbers, in
 
 pub(super) const CERTIFY: &str = "\
 The folder gets certificate.json; one that `plan` has written keeps its files. \
-`tools/check_certificate.py SPEC DIR` reads spec, terrain and certificate by itself and accepts \
+`tools/check_certificate.py SPEC DIR` (Python with numpy, shapely, PyYAML) reads spec, terrain and certificate by itself and accepts \
 or rejects it. A bound takes minutes for each vehicle.";
 
 #[derive(Debug, clap::Args)]
