@@ -2,13 +2,13 @@
 
 use super::args;
 use super::fly;
-use super::folder::runs;
+use super::folder::{claim, runs};
 use super::links;
 use super::print::console::{Paint, note, out, out_lines};
 use super::print::failure::Failure;
 use super::print::table::{self, Rows};
 use crate::flight::replan::{self, Decision, Outcomes, Replanner, VehicleState};
-use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, count_words, unix_ms};
+use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, count_words, steady_ms};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
 use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
@@ -24,6 +24,16 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         Failure::new(busy.code, message)
     })?;
     let underway = Underway::find(folder.clone())?;
+    let flight = underway.as_ref().map_or("", |of| of.notice.flight.as_str());
+    let holder = claim::holder_of(flight).filter(|holder| holder.runs != folder);
+    if let Some(holder) = holder {
+        let message = format!(
+            "{} is a copy: `sortie` flies this fleet from {}; replan there. This threat is not recorded, and nothing was sent",
+            folder.display(),
+            holder.runs.display()
+        );
+        return Err(failed(message));
+    }
     if !runs::is_flown(&plan.folder) {
         note(
             "no `sortie fly` monitors this fleet: its flight is not recorded, nor judged against the threat",
@@ -35,7 +45,7 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     replan::add_threats(&mut plan, &popups);
     let notice = underway.as_ref().map(|of| of.notice.clone());
     let notice = notice.unwrap_or_default();
-    let threat_ms = unix_ms();
+    let threat_ms = steady_ms();
     let popup = PopUp {
         from_s: notice.t_s(threat_ms),
         threat: threat.clone(),

@@ -180,7 +180,9 @@ fn a_terminal_that_is_stopped_by_ctrl_s_gives_its_command_to_one_that_is_attache
     let mut other = Terminal::attach(folder.path());
     std::thread::sleep(Duration::from_millis(9000));
     other.order("l");
-    let (_, shown) = other.end();
+    let (code, shown) = other.end();
+    // The verdict does not wait for the terminal that takes nothing.
+    assert_eq!(code, Some(5), "{shown}");
     for line in [
         "the terminal of this flight takes no lines any more: one that is attached commands",
         "this terminal commands the flight",

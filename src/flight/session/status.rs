@@ -2,7 +2,8 @@
 
 use super::end::End;
 use super::vehicle::{FlightVehicle, Instruction, Stage};
-use super::{Fleet, modes, silence_s};
+use super::monitor::silence_s;
+use super::{Fleet, modes};
 use crate::flight::record::Fix;
 use crate::link::Time;
 use crate::spec::AlarmKind;
