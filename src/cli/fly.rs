@@ -22,10 +22,9 @@ use super::print::flight::report;
 use super::print::printer::Printer;
 use super::print::table;
 use crate::flight::{
-    self, Driver, Fleet, FlightError, FlightPlan, Journal, Judged, Launch, Line, Options, Outcome,
-    Underway,
+    self, Driver, Fleet, FlightError, FlightPlan, Journal, Judged, Line, Options, Outcome, Underway,
 };
-use crate::link::{Links, Time};
+use crate::link::Links;
 use crate::spec::{Link, SpecFile};
 use crate::world;
 
@@ -80,7 +79,8 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     };
     let journal = Journal::begin(record, &header)?;
     let mut screen = Screen::begin(arguments.json, !simulated.is_empty(), &folder)?;
-    let mut driver = Driver::new(&open, &underway, journal);
+    let launch = launch(&plan.file, simulated.len() == plan.missions.len())?;
+    let mut driver = Driver::new(&open, &underway, journal).launching(launch);
     let references = plan.references();
     let is_uploaded = |index| arguments.upload || simulated.contains_key(&index);
     let options = Options {
@@ -89,11 +89,7 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         force: arguments.force,
         on_alarm: plan.spec().answers(),
         position_s: POSITION_S,
-        launch: launch(
-            &plan.file,
-            driver.now(),
-            simulated.len() == plan.missions.len(),
-        )?,
+        launch: driver.launch(),
     };
     let assignments = plan.assignments(&references, &open, is_uploaded);
     let fleet = Fleet::new(assignments, options, open.us(), driver.now());
@@ -189,8 +185,8 @@ pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
 }
 
 /// When a plan may be launched whose zones have times: at `t0` of its spec, and no later than
-/// departures may be shifted. Simulated vehicles begin at once, as if it were then.
-fn launch(file: &SpecFile, now: Time, is_simulated: bool) -> Result<Option<Launch>, Failure> {
+/// departures may be shifted, milliseconds since 1970. Simulated vehicles begin at once, as if it were then.
+fn launch(file: &SpecFile, is_simulated: bool) -> Result<Option<(u64, u64)>, Failure> {
     let mut zones = file.spec.no_fly.iter();
     let timed = zones.find(|zone| zone.active_s.is_some());
     let Some((zone, t0_ms)) = timed.zip(file.t0_unix_ms).filter(|_| !is_simulated) else {
@@ -214,10 +210,7 @@ fn launch(file: &SpecFile, now: Time, is_simulated: bool) -> Result<Option<Launc
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    Ok(Some(Launch {
-        from: now + t0_ms.saturating_sub(unix_ms),
-        until: now + (until_ms - unix_ms),
-    }))
+    Ok(Some((t0_ms, until_ms)))
 }
 
 /// Prints the verdict on what was flown. Its documents are written, and other terminals have it, first: the screen may

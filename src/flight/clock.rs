@@ -48,7 +48,8 @@ impl BootTime {
 #[must_use]
 pub fn steady_ms() -> u64 {
     static BEGAN: OnceLock<(Instant, u64)> = OnceLock::new();
-    let (instant, began_ms) = BEGAN.get_or_init(|| (now(), next_uptime_ms().unwrap_or_else(unix_ms)));
+    let (instant, began_ms) =
+        BEGAN.get_or_init(|| (now(), next_uptime_ms().unwrap_or_else(unix_ms)));
     let even_ms = began_ms + millis(instant);
     // The other clock stands still while the computer sleeps.
     match uptime_ms() {

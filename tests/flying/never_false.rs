@@ -43,7 +43,10 @@ fn a_link_that_gets_slower_makes_no_time_without_a_position() {
     let report = plan.judge(&sky);
     let gap = Limit::Flown(Flown::Gap);
     let gaps = report.margins.iter().filter(|m| m.limit == gap && !m.ok);
-    assert_eq!(gaps.collect::<Vec<_>>(), Vec::<&sortie::verify::Margin>::new());
+    assert_eq!(
+        gaps.collect::<Vec<_>>(),
+        Vec::<&sortie::verify::Margin>::new()
+    );
     let stale = count(&sky, "alpha", "no position for");
     assert_eq!(stale, 0, "{:?}", sky.events);
 }
@@ -127,7 +130,12 @@ fn a_pre_arm_text_after_the_landing_is_no_alarm() {
     }));
     assert_eq!(sky.fly_out(), Outcome::Flown);
     assert_eq!(count(&sky, "alpha", "ALARM"), 0, "{:?}", sky.events);
-    assert_eq!(count(&sky, "alpha", "says: PreArm: Battery"), 1, "{:?}", sky.events);
+    assert_eq!(
+        count(&sky, "alpha", "says: PreArm: Battery"),
+        1,
+        "{:?}",
+        sky.events
+    );
 }
 
 fn not_started(sky: &mut Sky<'_>) -> Vec<(String, String)> {
@@ -165,7 +173,9 @@ fn a_list_whose_id_changes_while_a_vehicle_is_still_checked_starts_nobody() {
             }
         }));
         let why = not_started(&mut sky);
-        let is_named = why.iter().any(|(id, why)| id == "alpha" && why.contains(text));
+        let is_named = why
+            .iter()
+            .any(|(id, why)| id == "alpha" && why.contains(text));
         assert!(is_named, "{why:?}");
     }
 }
@@ -263,7 +273,10 @@ fn parameters_are_asked_for_together_over_a_link_of_three_seconds() {
     let longer_ms = late - at_once;
     // The transfer of a mission is one answer after the other, too.
     println!("{all} parameters: T0 at {at_once:?}, and at {late:?} over a link of 3 s");
-    assert!(longer_ms < 180_000, "{all} parameters: {longer_ms} ms longer");
+    assert!(
+        longer_ms < 180_000,
+        "{all} parameters: {longer_ms} ms longer"
+    );
 }
 
 #[test]

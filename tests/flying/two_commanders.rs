@@ -26,7 +26,14 @@ fn aloft(t_s: f64) -> Aloft {
     let (folder, runs) = planned("lanes", &lanes("-84.262"));
     let (vehicles, links) = vehicles(folder.path());
     let [alpha, bravo] = &links;
-    let fly = ["fly", "lanes.yaml", "--upload", "--set-params", alpha, bravo];
+    let fly = [
+        "fly",
+        "lanes.yaml",
+        "--upload",
+        "--set-params",
+        alpha,
+        bravo,
+    ];
     let flight = begin(folder.path(), &fly);
     wait_for(&runs, "alpha", t_s);
     Aloft {
@@ -68,7 +75,10 @@ fn a_copied_folder_of_a_flight_that_goes_on_is_not_taken_over() {
     let _ = of.flight.0.wait();
     let output = sortie(root, &["watch", "copy/lanes"]);
     let (shown, errors) = (text(&output.stdout), text(&output.stderr));
-    assert!(shown.contains("the flight is taken over"), "{shown}{errors}");
+    assert!(
+        shown.contains("the flight is taken over"),
+        "{shown}{errors}"
+    );
 }
 
 #[test]
@@ -126,7 +136,10 @@ fn a_system_clock_that_was_set_back_or_forward_does_not_shift_a_flight_that_is_t
         std::fs::write(&path, notice.to_string()).expect("written");
         let output = sortie(of.folder.path(), &["watch", "out/lanes"]);
         let (shown, errors) = (text(&output.stdout), text(&output.stderr));
-        assert!(shown.contains("the flight is taken over"), "{shown}{errors}");
+        assert!(
+            shown.contains("the flight is taken over"),
+            "{shown}{errors}"
+        );
         let named = "the clock of this computer was set";
         assert!(shown.contains(named), "{shown}{errors}");
         assert!(!shown.contains("ALARM"), "{shown}{errors}");
@@ -157,7 +170,10 @@ fn after_another_start_of_the_computer_the_time_is_said_to_be_uncertain() {
 
 /// A flight on a terminal of its own, with its keyboard.
 fn on_a_terminal(folder: &Path) -> std::process::Child {
-    let fly = format!("{} fly lanes.yaml --speedup 4", cargo_bin("sortie").display());
+    let fly = format!(
+        "{} fly lanes.yaml --speedup 4",
+        cargo_bin("sortie").display()
+    );
     Command::new("script")
         .current_dir(folder)
         .args(["-qfec", &fly, "/dev/null"])

@@ -787,7 +787,12 @@ fn a_vehicle_that_answers_in_float_degrees_alone_is_named_at_once_as_not_support
         })
     });
     let error = error.expect("no list");
-    assert!(error.to_string().contains("MISSION_ITEM_INT is not supported"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("MISSION_ITEM_INT is not supported"),
+        "{error}"
+    );
     assert!(at < Time(20_000), "{at:?}");
 }
 
@@ -795,7 +800,12 @@ fn a_vehicle_that_answers_in_float_degrees_alone_is_named_at_once_as_not_support
 fn a_vehicle_that_answers_no_request_for_an_item_is_named_within_two_minutes() {
     let (error, at) = read_from(|_| None);
     let error = error.expect("no list");
-    assert!(error.to_string().contains("answered no MISSION_REQUEST_INT"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("answered no MISSION_REQUEST_INT"),
+        "{error}"
+    );
     assert!(at < Time(120_000), "{at:?}");
 }
 

@@ -4,8 +4,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::{Output, POSITION_S, Screen};
-use crate::cli::folder::{self, claim};
 use crate::cli::folder::runs::{self, Held};
+use crate::cli::folder::{self, claim};
 use crate::cli::links;
 use crate::cli::print::failure::Failure;
 use crate::flight::{Driver, Fleet, FlightPlan, Interrupted, Options, Outcome, Underway};

@@ -22,14 +22,16 @@ pub(crate) struct Holder {
     pub(crate) runs: PathBuf,
 }
 
-/// Claims a flight, by what tells it from all others, and the vehicles on their links for the process that records in
-/// `runs`.
+/// Claims a flight, by its name among all of this computer, and the vehicles on their links, for the process that
+/// records in `runs`.
 ///
 /// # Errors
 /// Another process of this computer has one of them.
 pub(crate) fn claim(flight: &str, systems: &[(u8, &Link)], runs: &Path) -> Result<Claims, Failure> {
     let flight = (!flight.is_empty()).then(|| key_of_flight(flight));
-    let links = systems.iter().map(|(system, link)| key_of_link(*system, link));
+    let links = systems
+        .iter()
+        .map(|(system, link)| key_of_link(*system, link));
     let mut files = Vec::new();
     for key in flight.into_iter().chain(links) {
         match try_claim(&key, runs) {
@@ -87,7 +89,10 @@ fn key_of_link(system: u8, link: &Link) -> String {
         Link::UdpOut(address) | Link::UdpIn(address) | Link::Tcp(address) => {
             let first = |mut all: std::vec::IntoIter<_>| all.next();
             let found = address.to_socket_addrs().ok().and_then(first);
-            found.map_or_else(|| address.clone(), |found: std::net::SocketAddr| found.to_string())
+            found.map_or_else(
+                || address.clone(),
+                |found: std::net::SocketAddr| found.to_string(),
+            )
         }
         other => other.to_string(),
     };
@@ -113,7 +118,12 @@ fn try_claim(key: &str, runs: &Path) -> std::io::Result<Result<File, Option<Hold
     make_folder()?;
     let path = path_of(key);
     let mut options = File::options();
-    let opened = options.read(true).write(true).create(true).truncate(false).open(&path);
+    let opened = options
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(&path);
     let file = match opened {
         // That of another user can be locked all the same.
         Err(error) if error.kind() == ErrorKind::PermissionDenied => File::open(&path)?,

@@ -70,8 +70,6 @@ pub(crate) struct SettingsCheck<'a> {
     sent: Vec<(String, f32, f32)>,
     /// The one that is read again next in flight, and when.
     looked: usize,
-    /// How the vehicle names those that it has.
-    named: BTreeMap<usize, String>,
     look_due: Time,
 }
 
@@ -96,7 +94,6 @@ impl<'a> SettingsCheck<'a> {
             others: BTreeMap::new(),
             sent: Vec::new(),
             looked: 0,
-            named: BTreeMap::new(),
             look_due: now,
         }
     }
@@ -198,9 +195,6 @@ impl<'a> SettingsCheck<'a> {
             return self.heard_again(now, name, value);
         };
         let planned_value = value_as(planned, name);
-        if planned.name != name {
-            self.named.insert(self.at, name.to_owned());
-        }
         if suffices(name, value, planned_value) {
             self.others.remove(&self.at);
             return self.next(now);
@@ -259,16 +253,20 @@ impl<'a> SettingsCheck<'a> {
     }
 
     /// Reads the next one again in flight.
-    pub(crate) fn look_again(&mut self, now: Time, target: Address) -> Option<Message> {
+    pub(crate) fn look_again(&mut self, now: Time, target: Address) -> Vec<Message> {
         if now < self.look_due || self.at < self.planned.len() || self.planned.is_empty() {
-            return None;
+            return Vec::new();
         }
         self.look_due = now + IN_FLIGHT_MS;
         self.looked = (self.looked + 1) % self.planned.len();
-        // As the vehicle names it, where that is known.
-        let known = self.named.get(&self.looked);
-        let name = known.unwrap_or(&self.planned[self.looked].name).clone();
-        Some(Message::Flight(FlightMessage::ParamRead { target, name }))
+        let planned = &self.planned[self.looked].name;
+        // A vehicle knows one of the names.
+        let names = std::iter::once(planned.as_str()).chain(other_name(planned));
+        let read = |name: &str| {
+            let name = name.to_owned();
+            Message::Flight(FlightMessage::ParamRead { target, name })
+        };
+        names.map(read).collect()
     }
 
     /// The message that is due, if any.

@@ -124,7 +124,11 @@ impl Interrupted {
             let (end, t_s) = (flown.end.words().to_owned(), flown.until_s);
             return Some((Ended { end, t_s }, true));
         }
-        self.notice.ended.get(vehicle).cloned().map(|ended| (ended, false))
+        self.notice
+            .ended
+            .get(vehicle)
+            .cloned()
+            .map(|ended| (ended, false))
     }
 
     /// When the last position was recorded, seconds after T0.

@@ -49,7 +49,7 @@ pub struct Notice {
     /// T0 on the clock of that start of the computer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub boot: Option<BootTime>,
-    /// What tells this flight from all others of this computer; empty where it was begun by an older version.
+    /// What distinguishes this flight from all others of this computer; empty where it was begun by an older version.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub flight: String,
     /// File name of the record; empty where there is none.

@@ -1,8 +1,8 @@
 //! Where every vehicle of a fleet in flight is, for the screen.
 
 use super::end::End;
-use super::vehicle::{FlightVehicle, Instruction, Stage};
 use super::monitor::silence_s;
+use super::vehicle::{FlightVehicle, Instruction, Stage};
 use super::{Fleet, modes};
 use crate::flight::record::Fix;
 use crate::link::Time;

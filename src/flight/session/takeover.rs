@@ -63,7 +63,9 @@ impl<'a> Fleet<'a> {
             ),
             alarm: None,
         });
-        let clock = flight.clock_words().map(|text| Event::new(Some(t_s), None, text));
+        let clock = flight
+            .clock_words()
+            .map(|text| Event::new(Some(t_s), None, text));
         fleet.events.extend(clock);
         let lost = flight.lost().map(|text| Event::new(Some(t_s), None, text));
         fleet.events.extend(lost);

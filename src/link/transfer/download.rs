@@ -82,7 +82,7 @@ pub enum DownloadError {
         "it answers MISSION_REQUEST_INT with MISSION_ITEM, whose places are up to a metre off: a vehicle without \
          MISSION_ITEM_INT is not supported"
     )]
-    FloatPlaces,
+    FloatDegrees,
     /// The list was counted, and no item came.
     #[error("it counts the items of its list, and answered no MISSION_REQUEST_INT in {lists} runs")]
     NoItems {
@@ -251,7 +251,7 @@ impl Download {
         if matches!(self.phase, Phase::Reading { .. }) {
             self.floats += 1;
             if self.floats >= MAX_FLOATS {
-                self.outcome = Some(Err(DownloadError::FloatPlaces));
+                self.outcome = Some(Err(DownloadError::FloatDegrees));
             }
         }
     }

@@ -6,9 +6,9 @@ mod replan;
 use std::path::Path;
 use std::time::Duration;
 
-use super::start::BEGUN;
+use super::start::{BEGUN, Launch};
 use super::{Event, Fleet, Intervention};
-use crate::flight::clock::Clock;
+use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::conformance::judge;
 use crate::flight::conformance::reference::Reference;
 use crate::flight::conformance::report::FlightReport;
@@ -16,11 +16,11 @@ use crate::flight::document::flight_json;
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::page::flight_page;
+use crate::flight::record::Plan;
 use crate::flight::record::interrupted::Interrupted;
 use crate::flight::record::journal::Journal;
 use crate::flight::record::lines::Line;
 use crate::flight::record::read::read_record;
-use crate::flight::record::Plan;
 use crate::flight::record::underway::{T0, Underway};
 use crate::formats::write_file;
 use crate::link::{Arrival, Links, Time};
@@ -66,6 +66,8 @@ pub struct Driver<'a> {
     t0: Option<T0>,
     ended: Vec<String>,
     look_due: Time,
+    /// Between which times of the clock of the wall it may begin.
+    launch_ms: Option<(u64, u64)>,
 }
 
 /// The verdict on a flight, by its record.
@@ -93,6 +95,7 @@ impl<'a> Driver<'a> {
             t0: underway.notice.t0(),
             ended: underway.notice.ended.keys().cloned().collect(),
             look_due: Time(0),
+            launch_ms: None,
         }
     }
 
@@ -102,6 +105,20 @@ impl<'a> Driver<'a> {
     pub fn resuming(mut self, flight: &Interrupted) -> Self {
         self.read = self.underway.first(flight.replan_lines());
         self
+    }
+
+    /// Begins no flight but between two times of the clock of the wall, milliseconds since 1970.
+    #[must_use]
+    pub fn launching(mut self, between_ms: Option<(u64, u64)>) -> Self {
+        self.launch_ms = between_ms;
+        self
+    }
+
+    /// When the flight may begin, as the clock of the wall is now.
+    #[must_use]
+    pub fn launch(&self) -> Option<Launch> {
+        let between_ms = self.launch_ms?;
+        Some(Launch::between(between_ms, unix_ms(), self.now()))
     }
 
     /// Time since the driver was made.
@@ -159,6 +176,9 @@ impl<'a> Driver<'a> {
             // Before alarms are looked for.
             self.read_replan(fleet, operator);
             let now = self.now();
+            if let Some(launch) = self.launch() {
+                fleet.retime_launch(launch);
+            }
             fleet.handle_timeout(now);
             while let Some((system, message)) = fleet.poll_transmit() {
                 self.links.send(system, message);

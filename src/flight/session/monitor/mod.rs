@@ -142,7 +142,11 @@ fn heard_s(vehicle: &FlightVehicle<'_>, now: Time, speedup: f64) -> f64 {
 }
 
 /// For how long a vehicle has been silent, or sent no heartbeat, seconds of flight, if that is too long.
-pub(in crate::flight::session) fn silence_s(vehicle: &FlightVehicle<'_>, now: Time, speedup: f64) -> Option<f64> {
+pub(in crate::flight::session) fn silence_s(
+    vehicle: &FlightVehicle<'_>,
+    now: Time,
+    speedup: f64,
+) -> Option<f64> {
     let is_long = |since: Time, most_s: f64| {
         let silent_ms = now - since;
         let silent_s = seconds(silent_ms) * speedup;

@@ -38,12 +38,7 @@ impl FlightVehicle<'_> {
                     return;
                 };
                 if !report.is_verified() {
-                    let why = match &report.verdict {
-                        crate::link::Verdict::Refused(refusal) => refusal.to_string(),
-                        crate::link::Verdict::Failed(failure) => failure.to_string(),
-                        crate::link::Verdict::Verified => String::new(),
-                    };
-                    self.problems.push(why);
+                    self.problems.push(report.verdict.why());
                 }
                 self.check(now);
             }
