@@ -285,9 +285,16 @@ fn parameters_are_asked_for_together_over_a_link_of_three_seconds() {
 }
 
 #[test]
-fn who_is_watched_is_asked_whether_it_is_on_the_ground() {
+fn one_that_does_not_say_whether_it_is_on_the_ground_is_asked() {
     let plan = two();
     let mut sky = sky(&plan);
+    sky.down = Some(Box::new(|_, from, message| {
+        let is_word = matches!(message, Message::Flight(FlightMessage::Landed(_)));
+        match is_word {
+            true => Vec::new(),
+            false => vec![(from, message)],
+        }
+    }));
     let is_asked = Rc::new(Cell::new(false));
     let asked = Rc::clone(&is_asked);
     sky.up = Some(Box::new(move |_, _, message| {

@@ -395,7 +395,7 @@ fn relay(far: &str, change: impl Fn(&mut Message) -> u64 + Send + 'static) -> St
     std::thread::spawn(move || {
         let (mut station, mut buffer) = (None, [0; 2048]);
         let mut decoder = Decoder::default();
-        let mut waiting = std::collections::VecDeque::new();
+        let mut waiting = std::collections::VecDeque::<(u64, Vec<u8>)>::new();
         #[allow(clippy::disallowed_methods)]
         let began = std::time::Instant::now();
         loop {
