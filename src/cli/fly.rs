@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::args;
-use super::folder::{self, missions, runs};
+use super::folder::{self, claim, missions, runs};
 use super::links;
 use super::print::console::{Paint, note, note_lines, out, out_json_text, warn_of_parked};
 use super::print::failure::Failure;
@@ -22,9 +22,9 @@ use super::print::flight::report;
 use super::print::printer::Printer;
 use super::print::table;
 use crate::flight::{
-    self, Driver, Fleet, FlightError, FlightPlan, Journal, Launch, Line, Options, Outcome, Underway,
+    self, Driver, Fleet, FlightError, FlightPlan, Journal, Judged, Line, Options, Outcome, Underway,
 };
-use crate::link::{Links, Time};
+use crate::link::Links;
 use crate::spec::{Link, SpecFile};
 use crate::world;
 
@@ -60,12 +60,15 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let simulated = plan.simulate(&mut links, (arguments.noise, seed), arguments.speedup)?;
     let vehicles = plan.missions.iter().map(|(index, _)| plan.vehicle(*index));
     let systems: Vec<(u8, &Link)> = vehicles.clone().map(|v| v.sysid).zip(&links).collect();
+    let flight = format!("{:x}-{:x}", flight::unix_ms(), std::process::id());
+    let _claims = claim::claim(&flight, &systems, &folder)?;
     let open = Links::open(&systems)
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
     let addresses = links.iter().map(ToString::to_string);
     let addresses = vehicles.clone().map(|v| v.id.clone()).zip(addresses);
     let mut underway = Underway::new(folder.clone(), addresses.collect(), arguments.speedup);
     let record = runs::named(&folder, "flight", "jsonl");
+    underway.notice.flight = flight;
     underway.notice.record = file_name(&record);
     underway.notice.is_simulated = simulated.len() == plan.missions.len();
     let header = Line::Head {
@@ -76,7 +79,8 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     };
     let journal = Journal::begin(record, &header)?;
     let mut screen = Screen::begin(arguments.json, !simulated.is_empty(), &folder)?;
-    let mut driver = Driver::new(&open, &underway, journal);
+    let launch = launch(&plan.file, simulated.len() == plan.missions.len())?;
+    let mut driver = Driver::new(&open, &underway, journal).launching(launch);
     let references = plan.references();
     let is_uploaded = |index| arguments.upload || simulated.contains_key(&index);
     let options = Options {
@@ -85,11 +89,7 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         force: arguments.force,
         on_alarm: plan.spec().answers(),
         position_s: POSITION_S,
-        launch: launch(
-            &plan.file,
-            driver.now(),
-            simulated.len() == plan.missions.len(),
-        )?,
+        launch: driver.launch(),
     };
     let assignments = plan.assignments(&references, &open, is_uploaded);
     let fleet = Fleet::new(assignments, options, open.us(), driver.now());
@@ -98,10 +98,8 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     underway.announce(None, BTreeMap::new())?;
     driver.fly(&mut fleet, &mut screen);
     underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
-    let (session, printer) = screen.into_parts();
-    let output = (arguments.json, printer);
-    let ended = end(driver, &fleet, &plan, output, !simulated.is_empty());
-    finish(session, ended)
+    let output = Output::of(screen, arguments.json, !simulated.is_empty());
+    end(driver, &fleet, &plan, output)
 }
 
 fn file_name(path: &Path) -> String {
@@ -109,15 +107,36 @@ fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Other terminals get the outcome of the flight, too.
-fn finish(session: Option<Socket>, ended: Result<(), Failure>) -> Result<(), Failure> {
-    if let Some(session) = session {
-        match &ended {
+/// Where the outcome of a flight goes.
+struct Output {
+    session: Option<Socket>,
+    printer: Printer,
+    /// Whether stdout belongs to a document.
+    json: bool,
+    has_simulated: bool,
+}
+
+impl Output {
+    fn of(screen: Screen, json: bool, has_simulated: bool) -> Self {
+        let (session, printer) = screen.into_parts();
+        Self {
+            session,
+            printer,
+            json,
+            has_simulated,
+        }
+    }
+
+    /// Other terminals get the outcome before the own one, which may take nothing.
+    fn finish_session(&mut self, ended: &Result<(), Failure>) {
+        let Some(session) = self.session.take() else {
+            return;
+        };
+        match ended {
             Ok(()) => session.finish(0, "the flight kept its limits and ended as planned"),
             Err(failure) => session.finish(failure.code.number(), &failure.message),
         }
     }
-    ended
 }
 
 /// The plan in its folder, of the spec that was named, verified again.
@@ -166,8 +185,8 @@ pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
 }
 
 /// When a plan may be launched whose zones have times: at `t0` of its spec, and no later than
-/// departures may be shifted. Simulated vehicles begin at once, as if it were then.
-fn launch(file: &SpecFile, now: Time, is_simulated: bool) -> Result<Option<Launch>, Failure> {
+/// departures may be shifted, milliseconds since 1970. Simulated vehicles begin at once, as if it were then.
+fn launch(file: &SpecFile, is_simulated: bool) -> Result<Option<(u64, u64)>, Failure> {
     let mut zones = file.spec.no_fly.iter();
     let timed = zones.find(|zone| zone.active_s.is_some());
     let Some((zone, t0_ms)) = timed.zip(file.t0_unix_ms).filter(|_| !is_simulated) else {
@@ -191,27 +210,32 @@ fn launch(file: &SpecFile, now: Time, is_simulated: bool) -> Result<Option<Launc
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    Ok(Some(Launch {
-        from: now + t0_ms.saturating_sub(unix_ms),
-        until: now + (until_ms - unix_ms),
-    }))
+    Ok(Some((t0_ms, until_ms)))
 }
 
-/// Prints the verdict on what was flown. Its documents are written first: the screen may take nothing.
+/// Prints the verdict on what was flown. Its documents are written, and other terminals have it, first: the screen may
+/// take nothing.
 fn end(
     mut driver: Driver<'_>,
     fleet: &Fleet<'_>,
     plan: &FlightPlan,
-    (json, printer): (bool, Printer),
-    has_simulated: bool,
+    mut output: Output,
 ) -> Result<(), Failure> {
     if let Some(Outcome::NotStarted(why)) = fleet.outcome() {
-        drop(printer);
-        return Err(not_started(why, !driver.unwritten().is_empty()));
+        let ended = Err(not_started(why, !driver.unwritten().is_empty()));
+        output.finish_session(&ended);
+        drop(output);
+        for (vehicle, problem) in why {
+            let colon = if vehicle.is_empty() { "" } else { ": " };
+            note(&format!("{vehicle}{colon}{problem}"));
+        }
+        return ended;
     }
     let recorded = driver.record_ends(fleet);
     let judged = recorded.and_then(|()| driver.judge(plan));
-    let shown = printer.finish();
+    let ended = verdict(&judged, &driver);
+    output.finish_session(&ended);
+    let shown = output.printer.finish();
     let unknown = fleet.unheard();
     if !unknown.is_empty() {
         note(&format!(
@@ -220,26 +244,39 @@ fn end(
         ));
     }
     let in_the_air = fleet.in_the_air();
-    if !in_the_air.is_empty() && !has_simulated {
+    if !in_the_air.is_empty() && !output.has_simulated {
         note(&format!(
             "still in the air, and not monitored any more: {}",
             in_the_air.join(", ")
         ));
     }
-    let judged = judged?;
     // The operator sees the verdict whether or not its documents could be written.
-    if json {
-        out_json_text(&judged.json)?;
-    } else {
-        report(&judged.report)?;
-        let document = driver.record_path().with_extension("json");
-        out(&document.display().to_string())?;
+    if let Ok(judged) = &judged {
+        if output.json {
+            out_json_text(&judged.json)?;
+        } else {
+            report(&judged.report)?;
+            let document = driver.record_path().with_extension("json");
+            out(&document.display().to_string())?;
+        }
     }
-    judged.written?;
+    ended?;
+    shown
+}
+
+/// The outcome of a flight that was begun.
+fn verdict(judged: &Result<Judged, FlightError>, driver: &Driver<'_>) -> Result<(), Failure> {
+    let unwritten = |message: String| Err(Failure::new(Failure::OUTPUT, message));
+    let judged = match judged {
+        Ok(judged) => judged,
+        Err(error) => return unwritten(error.to_string()),
+    };
+    if let Err(error) = &judged.written {
+        return unwritten(error.to_string());
+    }
     if let Some(message) = driver.unwritten().first() {
-        return Err(Failure::new(Failure::OUTPUT, message));
+        return unwritten(message.clone());
     }
-    shown?;
     if judged.report.passes() {
         return Ok(());
     }
@@ -248,10 +285,6 @@ fn end(
 }
 
 fn not_started(why: &[(String, String)], is_unwritten: bool) -> Failure {
-    for (vehicle, problem) in why {
-        let colon = if vehicle.is_empty() { "" } else { ": " };
-        note(&format!("{vehicle}{colon}{problem}"));
-    }
     let mut problems = why.iter().map(|(_, problem)| problem);
     let hint = if problems.any(|problem| problem.starts_with("parameter")) {
         " (--set-params sets parameters, --force flies all the same)"

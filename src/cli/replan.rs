@@ -1,14 +1,18 @@
 //! `sortie replan`: new paths from where the vehicles are, around a threat that comes up.
 
+use std::path::Path;
+
 use super::args;
 use super::fly;
-use super::folder::runs;
+use super::folder::{claim, runs};
 use super::links;
 use super::print::console::{Paint, note, out, out_lines};
 use super::print::failure::Failure;
 use super::print::table::{self, Rows};
 use crate::flight::replan::{self, Decision, Outcomes, Replanner, VehicleState};
-use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, count_words, unix_ms};
+use crate::flight::{
+    FlightError, FlightPlan, Line, Notice, PopUp, Underway, count_words, steady_ms,
+};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
 use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
@@ -24,6 +28,7 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         Failure::new(busy.code, message)
     })?;
     let underway = Underway::find(folder.clone())?;
+    refuse_copy(&folder, underway.as_ref())?;
     if !runs::is_flown(&plan.folder) {
         note(
             "no `sortie fly` monitors this fleet: its flight is not recorded, nor judged against the threat",
@@ -35,7 +40,7 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     replan::add_threats(&mut plan, &popups);
     let notice = underway.as_ref().map(|of| of.notice.clone());
     let notice = notice.unwrap_or_default();
-    let threat_ms = unix_ms();
+    let threat_ms = steady_ms();
     let popup = PopUp {
         from_s: notice.t_s(threat_ms),
         threat: threat.clone(),
@@ -64,6 +69,19 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     write(replan::document(plan.spec(), &threat, &decision, &outcomes))?;
     print(plan.spec(), &decision, &outcomes)?;
     verdict(plan.spec(), &decision, &outcomes)
+}
+
+/// Refuses a copy of the folder of a flight: the process that flies the fleet reads nothing of it.
+fn refuse_copy(folder: &Path, underway: Option<&Underway>) -> Result<(), Failure> {
+    let flight = underway.map_or("", |of| of.notice.flight.as_str());
+    let holder = claim::holder_of(flight).filter(|holder| holder.runs != folder);
+    holder.map_or(Ok(()), |holder| {
+        Err(failed(format!(
+            "{} is a copy: `sortie` flies this fleet from {}; replan there. This threat is not recorded, and nothing was sent",
+            folder.display(),
+            holder.runs.display()
+        )))
+    })
 }
 
 /// Plans, and sends the new missions if they pass.

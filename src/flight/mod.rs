@@ -17,7 +17,7 @@ mod record;
 pub mod replan;
 mod session;
 
-pub use clock::unix_ms;
+pub use clock::{BootTime, steady_ms, unix_ms};
 pub use conformance::judge;
 pub use conformance::reference::{Deviation, Reference, Waypoint};
 pub use conformance::report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
@@ -35,7 +35,7 @@ pub use record::journal::Journal;
 pub use record::lines::Line;
 pub use record::read::{Broken, SPEEDUP, read_record};
 pub use record::tlog::{Capture, read_tlog};
-pub use record::underway::{Ended, Notice, Underway};
+pub use record::underway::{Ended, Notice, T0, Underway};
 pub use record::{Fix, Flight, Flown, Plan, PopUp, RaisedAlarm, Record};
 pub use session::diversion::{Diversion, Onward};
 pub use session::driver::{Driver, Judged, Operator};

@@ -14,14 +14,14 @@ use command::{sortie, text};
 use in_flight::{Flight, begin, json, lanes, lines, planned, take_off, wait_for};
 use serde_json::Value;
 
-fn signal(flight: &Flight, name: &str) {
+pub(super) fn signal(flight: &Flight, name: &str) {
     let id = flight.0.id().to_string();
     let sent = Command::new("kill").args([name, &id]).status();
     assert!(sent.expect("kill").success());
 }
 
 /// The vehicles of a spec in a process of their own, and the links to them.
-fn vehicles(folder: &Path) -> (Flight, [String; 2]) {
+pub(super) fn vehicles(folder: &Path) -> (Flight, [String; 2]) {
     let first = loop {
         // Two neighbouring ports that nobody has.
         let (a, b) = (ports::unshared().port(), ports::unshared().port());
@@ -35,7 +35,7 @@ fn vehicles(folder: &Path) -> (Flight, [String; 2]) {
     (vehicles, [link("alpha", first), link("bravo", first + 1)])
 }
 
-fn has_event(lines: &[Value], text: &str) -> bool {
+pub(super) fn has_event(lines: &[Value], text: &str) -> bool {
     let event = |line: &Value| line["event"].as_str().map(str::to_owned);
     lines
         .iter()
@@ -135,10 +135,10 @@ fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers
 }
 
 /// A terminal that is attached to a flight.
-struct Terminal(Child);
+pub(super) struct Terminal(pub(super) Child);
 
 impl Terminal {
-    fn attach(folder: &Path) -> Self {
+    pub(super) fn attach(folder: &Path) -> Self {
         let child = Command::new(cargo_bin("sortie"))
             .current_dir(folder)
             .args(["watch", "out/lanes"])
@@ -149,13 +149,13 @@ impl Terminal {
         Self(child.expect("sortie runs"))
     }
 
-    fn order(&mut self, line: &str) {
+    pub(super) fn order(&mut self, line: &str) {
         let stdin = self.0.stdin.as_mut().expect("a keyboard");
         writeln!(stdin, "{line}").expect("it is there");
     }
 
     /// The exit code, and everything that it showed.
-    fn end(mut self) -> (Option<i32>, String) {
+    pub(super) fn end(mut self) -> (Option<i32>, String) {
         let stdout = self.0.stdout.take().expect("a screen");
         let lines = BufReader::new(stdout).lines().map_while(Result::ok);
         let shown: Vec<String> = lines.collect();

@@ -1,7 +1,8 @@
 //! Five vehicles and everything that a hostile peer can do at once: every line that an operator reads
 //! is held against what the vehicles really did.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
 
 use crate::support::sky::{Planned, Sky, US, lane, plan};
 
@@ -190,4 +191,104 @@ fn every_line_is_true_while_peers_refuse_forge_flood_and_cut_links_at_once() {
     let failed: Vec<_> = report.margins.iter().filter(|m| !m.ok).collect();
     assert!(failed.iter().all(is_gap), "{failed:?}");
     assert_eq!(failed.len(), 1);
+}
+
+/// Everything that goes wrong from 40 s on in another flight, and the kind of line that is true of it.
+fn injuries(sky: &mut Sky<'_>, now_s: &Rc<Cell<f64>>) -> Rc<RefCell<u32>> {
+    let (t_s, at_s) = (Rc::clone(now_s), Rc::clone(now_s));
+    let stormed = Rc::new(RefCell::new(0));
+    let sent = Rc::clone(&stormed);
+    // Alpha takes no order to hold.
+    sky.up = Some(Box::new(move |_, system, message| {
+        if let Message::Mission(_) = message
+            && t_s.get() > 40.0
+        {
+            *sent.borrow_mut() += 1;
+        }
+        let is_order = matches!(message, Message::Flight(FlightMessage::Command { order, .. })
+            if order.command == Command::SET_MODE);
+        let refused = accepts(US, Command::SET_MODE, CommandResult::DENIED);
+        (system == 1 && is_order && t_s.get() > 60.0).then(|| vec![(autopilot(1), refused)])
+    }));
+    sky.down = Some(Box::new(move |_, from, mut message| {
+        let t_s = at_s.get();
+        let mut heard = Vec::new();
+        if let Message::Heartbeat(beat) = &mut message {
+            let to = |system: u8, result| {
+                let (target, opaque_id) = (Address { system, ..US }, 0);
+                Message::Mission(MissionMessage {
+                    target,
+                    mission_type: 0,
+                    body: Body::Ack { result, opaque_id },
+                })
+            };
+            match from.system {
+                // Another station writes to bravo, and delta cancels what nobody began.
+                2 if (40.0..42.0).contains(&t_s) => {
+                    heard.push((from, to(254, MissionResult::ACCEPTED)));
+                }
+                4 if t_s > 40.0 => {
+                    let storm = to(US.system, MissionResult::OPERATION_CANCELLED);
+                    heard.extend(vec![(from, storm); 100]);
+                }
+                3 if (50.0..55.0).contains(&t_s) => beat.system_status = 6,
+                _ => {}
+            }
+        }
+        heard.push((from, message));
+        heard
+    }));
+    stormed
+}
+
+#[test]
+fn every_line_is_true_while_orders_are_refused_missions_written_and_transfers_cancelled_at_once() {
+    let plan = five();
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    let now_s = Rc::new(Cell::new(-1.0));
+    let stormed = injuries(&mut sky, &now_s);
+    let mut is_ordered = false;
+    while sky.fleet.outcome().is_none() {
+        assert!(sky.now.0 < 1_800_000, "{:?}", sky.events);
+        now_s.set(sky.fleet.t_s(sky.now).unwrap_or(-1.0));
+        if now_s.get() > 62.0 && !is_ordered {
+            is_ordered = true;
+            sky.fleet.intervene(sky.now, Intervention::Hold);
+        }
+        if now_s.get() > 110.0 {
+            sky.fleet.intervene(sky.now, Intervention::Leave);
+        }
+        sky.step();
+    }
+    for event in &sky.events {
+        let of = event.vehicle.as_deref();
+        let is_expected = match event.alarm.as_ref().map(|alarm| alarm.kind) {
+            None => true,
+            Some(AlarmKind::Mission) => of == Some("bravo"),
+            Some(AlarmKind::Text) => of == Some("charlie"),
+            // It goes on to where it should not be.
+            Some(AlarmKind::Late | AlarmKind::Corridor) => of == Some("alpha"),
+            Some(_) => false,
+        };
+        assert!(is_expected, "{event:?}");
+        if event.text.contains("not confirmed") {
+            assert_eq!(of, Some("alpha"), "{event:?}");
+        }
+    }
+    for (vehicle, text) in [
+        ("alpha", "hold not confirmed"),
+        (
+            "bravo",
+            "acknowledged a mission, or that it was cleared, to system 254",
+        ),
+        ("charlie", "MAV_STATE_EMERGENCY"),
+        ("echo", "holds"),
+    ] {
+        assert!(
+            sky.says(vehicle, text),
+            "{vehicle} {text}: {:?}",
+            sky.events
+        );
+    }
+    assert_eq!(*stormed.borrow(), 0, "a storm is not answered");
 }

@@ -1,4 +1,5 @@
 //! Threats that not everybody can be led around.
+#![allow(clippy::cast_possible_truncation)]
 
 use crate::support::{command, in_flight};
 use std::path::{Path, PathBuf};
@@ -381,8 +382,9 @@ fn who_returns_lands_or_holds_is_named_where_its_own_way_meets_a_threat_and_only
     }
 }
 
-/// Passes messages on between a ground station and a vehicle that does not say how many items it holds.
-fn uncounted(far: &str) -> String {
+/// Passes messages on between a ground station and a vehicle; `change` says what becomes of each that it sends, and
+/// how many milliseconds later it comes.
+fn relay(far: &str, change: impl Fn(&mut Message) -> u64 + Send + 'static) -> String {
     let bind = || std::net::UdpSocket::bind("127.0.0.1:0").expect("a free port");
     let (near, there) = (bind(), bind());
     there.connect(far).expect("a vehicle");
@@ -393,17 +395,25 @@ fn uncounted(far: &str) -> String {
     std::thread::spawn(move || {
         let (mut station, mut buffer) = (None, [0; 2048]);
         let mut decoder = Decoder::default();
+        let mut waiting = std::collections::VecDeque::<(u64, Vec<u8>)>::new();
+        #[allow(clippy::disallowed_methods)]
+        let began = std::time::Instant::now();
         loop {
+            let now_ms = began.elapsed().as_millis() as u64;
+            while waiting.front().is_some_and(|(due, _)| *due <= now_ms)
+                && let (Some((_, bytes)), Some(station)) = (waiting.pop_front(), station)
+            {
+                let _: std::io::Result<usize> = near.send_to(&bytes, station);
+            }
             if let Ok((length, from)) = near.recv_from(&mut buffer) {
                 station = Some(from);
                 let _ = there.send(&buffer[..length]);
-            } else if let (Ok(length), Some(station)) = (there.recv(&mut buffer), station) {
+            } else if let Ok(length) = there.recv(&mut buffer) {
                 decoder.push(&buffer[..length]);
                 while let Some((from, mut message)) = decoder.next_message() {
-                    if let Message::MissionCurrent { total, .. } = &mut message {
-                        *total = 0;
-                    }
-                    let _ = near.send_to(&Encoder::new(from).encode(&message), station);
+                    let late_ms = change(&mut message);
+                    let bytes: Vec<u8> = Encoder::new(from).encode(&message);
+                    waiting.push_back((now_ms + late_ms, bytes));
                 }
             } else {
                 std::thread::sleep(Duration::from_micros(500));
@@ -411,6 +421,55 @@ fn uncounted(far: &str) -> String {
         }
     });
     address
+}
+
+/// A vehicle that does not say how many items it holds.
+fn uncounted(far: &str) -> String {
+    relay(far, |message| {
+        if let Message::MissionCurrent { total, .. } = message {
+            *total = 0;
+        }
+        0
+    })
+}
+
+/// Replans alpha over a relay; what becomes of the messages of the vehicle is said by `change`.
+fn replan_over(
+    change: impl Fn(&mut Message) -> u64 + Send + 'static,
+    threat: &str,
+) -> (Option<i32>, String) {
+    let (folder, runs, _flight) = aloft(&lanes("-84.215"), "1", ("alpha", 24.0));
+    let links = json(&runs.join("links.json"));
+    let far = links["links"]["alpha"].as_str().expect("a link");
+    let near = relay(far.strip_prefix("udpout:").expect("UDP"), change);
+    let link = format!("--link=alpha=udpout:{near}");
+    let threat = format!("--threat={threat}");
+    let output = sortie(folder.path(), &["replan", "lanes.yaml", &threat, &link]);
+    let said = text(&output.stdout) + &text(&output.stderr);
+    (output.status.code(), said)
+}
+
+#[test]
+fn over_a_link_of_two_seconds_a_vehicle_is_led_onto_its_new_path() {
+    let (code, said) = replan_over(|_| 2000, "36.3003,-84.225,120");
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(said.matches("on its new path").count(), 1, "{said}");
+}
+
+#[test]
+fn positions_at_zero_are_none_and_a_vehicle_that_sends_no_others_is_named() {
+    let (code, said) = replan_over(
+        |message| {
+            if let Message::Flight(FlightMessage::Position(position)) = message {
+                (position.x, position.y) = (0, 0);
+            }
+            0
+        },
+        "36.3003,-84.225,120",
+    );
+    assert_eq!(code, Some(5), "{said}");
+    assert!(said.contains("alpha: does not say where it is"), "{said}");
+    assert!(!said.contains("on its new path"), "{said}");
 }
 
 #[test]

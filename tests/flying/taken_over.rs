@@ -144,6 +144,22 @@ fn a_plan_that_was_sent_before_the_end_of_the_record_is_known() {
     assert!(held > 0 && !status.is_empty(), "{status:?}");
 }
 
+#[test]
+fn a_plan_that_was_sent_before_the_end_of_the_record_and_never_comes_is_named() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(40.0);
+    let mut next = plan.record(&sky).flights[0].plans[0].clone();
+    next.items += 2;
+    let line = Line::of_plan("alpha", 39.0, &next);
+    take_over(&plan, &mut sky, &[line]);
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    let text = "does not hold the plan that replan sent at T0+39 s: it flies the one before";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
+    assert_eq!(count(&sky, "bravo", "does not hold"), 0, "{:?}", sky.events);
+    assert_eq!(sky.end(0), End::Landed, "{:?}", sky.events);
+}
+
 /// Nobody watches for this number of seconds.
 fn pass(sky: &mut Sky<'_>, seconds: u64) {
     for _ in 0..50 * seconds {

@@ -173,6 +173,8 @@ impl<'a> Scene<'a> {
                     self.ether.send(DRONE, self.vehicle.address(), to, &message);
                 }
             }
+            let Progress { done, total, .. } = self.session.progress();
+            assert!(done <= total, "{done} of {total} items");
             if let Some(report) = self.session.report() {
                 return report.clone();
             }
@@ -746,6 +748,65 @@ fn a_download_of_nothing_is_complete_and_acknowledged_at_once() {
     let closing = say(VEHICLE, List::Mission, ack(MissionResult::ACCEPTED));
     assert_eq!(machine.poll_transmit(), Some(closing));
     assert_eq!(machine.outcome(), Some(&Ok(Vec::new())));
+}
+
+/// What becomes of a download from a vehicle that counts three items and answers requests like this, and when.
+fn read_from(answer: impl Fn(u16) -> Option<Body>) -> (Option<DownloadError>, Time) {
+    let mut machine = Download::new(ROUTE, Time(600_000), Time(0));
+    let mut now = Time(0);
+    while machine.outcome().is_none() {
+        while let Some(message) = machine.poll_transmit() {
+            let Message::Mission(MissionMessage { body, .. }) = message else {
+                continue;
+            };
+            let answered = match body {
+                Body::RequestList => Some(Body::Count {
+                    count: 3,
+                    opaque_id: 0,
+                }),
+                Body::RequestInt { seq } => answer(seq),
+                _ => None,
+            };
+            if let Some(body) = answered {
+                machine.handle(now, VEHICLE, &say(US, List::Mission, body));
+            }
+        }
+        now = now + 20;
+        machine.handle_timeout(now);
+    }
+    (machine.outcome().and_then(|of| of.clone().err()), now)
+}
+
+#[test]
+fn a_vehicle_that_answers_in_float_degrees_alone_is_named_at_once_as_not_supported() {
+    let (error, at) = read_from(|seq| {
+        Some(Body::Item {
+            seq,
+            current: 0,
+            item: waypoint(seq),
+        })
+    });
+    let error = error.expect("no list");
+    assert!(
+        error
+            .to_string()
+            .contains("MISSION_ITEM_INT is not supported"),
+        "{error}"
+    );
+    assert!(at < Time(20_000), "{at:?}");
+}
+
+#[test]
+fn a_vehicle_that_answers_no_request_for_an_item_is_named_within_two_minutes() {
+    let (error, at) = read_from(|_| None);
+    let error = error.expect("no list");
+    assert!(
+        error
+            .to_string()
+            .contains("answered no MISSION_REQUEST_INT"),
+        "{error}"
+    );
+    assert!(at < Time(120_000), "{at:?}");
 }
 
 // ---------------------------------------------------------------- whole sessions

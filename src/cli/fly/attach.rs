@@ -11,7 +11,7 @@ use std::time::Duration;
 use super::socket::{self, ASK, BEAT, END, LINE, OLD_MS, REST};
 use crate::cli::print::console::{note, out};
 use crate::cli::print::failure::{Code, Failure};
-use crate::flight::unix_ms;
+use crate::flight::steady_ms;
 
 /// The process of a flight that is not heard for as long stands still, seconds; and that is said again after as long.
 const SILENT_S: u64 = 3;
@@ -170,7 +170,7 @@ fn pass_orders(mut session: UnixStream, silence_s: &AtomicU64) {
         let line = match silence_s {
             // One of an older version knows no times of orders.
             NO_BEATS => order.to_owned(),
-            _ => format!("{order} {}", unix_ms()),
+            _ => format!("{order} {}", steady_ms()),
         };
         if (SILENT_S..NO_BEATS).contains(&silence_s) {
             let within_s = OLD_MS / 1000;

@@ -19,6 +19,10 @@ impl Socket {
         match *self {}
     }
 
+    pub(super) fn restore(&mut self, _folder: &Path) -> bool {
+        match *self {}
+    }
+
     pub(super) fn set_table(&mut self, _table: Vec<String>) {
         match *self {}
     }

@@ -3,12 +3,12 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{POSITION_S, Screen};
-use crate::cli::folder;
+use super::{Output, POSITION_S, Screen};
 use crate::cli::folder::runs::{self, Held};
+use crate::cli::folder::{self, claim};
 use crate::cli::links;
 use crate::cli::print::failure::Failure;
-use crate::flight::{Driver, Fleet, FlightPlan, Interrupted, Options, Outcome, Underway, unix_ms};
+use crate::flight::{Driver, Fleet, FlightPlan, Interrupted, Options, Outcome, Underway};
 use crate::link::Links;
 use crate::spec::Link;
 
@@ -71,6 +71,7 @@ pub(in crate::cli) fn take_over(
         .iter()
         .map(|(index, link)| (plan.vehicle(*index).sysid, link));
     let systems: Vec<(u8, &Link)> = systems.collect();
+    let _claims = claim::claim(&underway.notice.flight, &systems, &folder)?;
     let open = Links::open(&systems)
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
     let ids = plan
@@ -89,7 +90,7 @@ pub(in crate::cli) fn take_over(
         launch: None,
     };
     let assignments = plan.assignments(&plan.references(), &open, |_| false);
-    let at = (driver.now(), unix_ms());
+    let at = (driver.now(), flight.now_unix_ms());
     let fleet = Fleet::take_over(assignments, options, open.us(), at, &flight);
     let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.fly(&mut fleet, &mut screen);
@@ -97,7 +98,5 @@ pub(in crate::cli) fn take_over(
     if fleet.unheard().is_empty() {
         underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
     }
-    let (session, printer) = screen.into_parts();
-    let ended = super::end(driver, &fleet, plan, (json, printer), false);
-    super::finish(session, ended)
+    super::end(driver, &fleet, plan, Output::of(screen, json, false))
 }

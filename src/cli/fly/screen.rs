@@ -1,13 +1,14 @@
 //! The operator at the terminal: events and the table of the fleet, Ctrl-C and its answers.
 
 use std::io::{BufRead, IsTerminal};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 
 use super::Socket;
 use super::show::{self, Show};
+use crate::cli::folder::runs::{self, Held};
 use crate::cli::print::console::{hang_up, note};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::printer::Printer;
@@ -57,6 +58,9 @@ pub(super) struct Screen {
     is_stuck: bool,
     /// When other terminals get the table of the fleet again.
     table_due: Time,
+    folder: PathBuf,
+    /// Holds the folder of the records that was made anew in place of one that was moved or deleted.
+    held: Option<Held>,
 }
 
 /// Between two tables for other terminals, milliseconds.
@@ -89,6 +93,8 @@ impl Screen {
             at_work: (None, Time(0)),
             is_stuck: false,
             table_due: Time(0),
+            folder: folder.to_owned(),
+            held: None,
         })
     }
 
@@ -177,6 +183,9 @@ impl Operator for Screen {
         if let Some(socket) = self.socket.as_mut().filter(|_| now >= self.table_due) {
             self.table_due = now + TABLE_MS;
             socket.set_table(fleet.status(now).iter().map(show::line).collect());
+            if socket.restore(&self.folder) {
+                self.held = runs::try_hold(&self.folder, "fly").ok().flatten();
+            }
         }
         self.shown()
     }

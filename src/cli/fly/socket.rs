@@ -4,7 +4,7 @@
 //! Lines to a terminal begin with a mark: [`LINE`] is shown, [`END`] carries the exit code of the
 //! flight, [`BEAT`] comes each second while the flight is watched, with [`ASK`] where an answer is waited for, and with
 //! [`REST`] when that is over. Lines from a terminal are such answers, a [`BEAT`] alone, and orders: `hold`, `land`,
-//! `leave`, and when they were given, milliseconds since 1970.
+//! `leave`, and when they were given, milliseconds on the clock of the computer that nobody sets.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -12,7 +12,7 @@ use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 
-use crate::flight::{Intervention, unix_ms};
+use crate::flight::{Intervention, steady_ms};
 use crate::numeric::text::escaped;
 
 /// Marks of lines to a terminal.
@@ -51,7 +51,7 @@ pub(super) struct Socket {
     history: VecDeque<String>,
     /// The table of the fleet, for a terminal that attaches.
     table: Vec<String>,
-    /// When the last beat was sent, milliseconds since 1970.
+    /// When the last beat was sent, milliseconds.
     beat_ms: u64,
 }
 
@@ -63,7 +63,7 @@ struct Client {
     is_gone: bool,
     /// Whether it was informed that it commands.
     commands: bool,
-    /// When it was heard last, milliseconds since 1970; none before it has answered a beat, as older ones never do.
+    /// When it was heard last, milliseconds; none before it has answered a beat, as older ones never do.
     heard_ms: Option<u64>,
 }
 
@@ -71,27 +71,29 @@ impl Socket {
     /// Opens the session. The caller holds the flight, so that a socket that is there already is
     /// one that a crash left.
     pub(super) fn open(folder: &Path) -> io::Result<Self> {
-        let path = path(folder);
-        // Nobody else enters the folder in which it is made, until its mode is set.
-        let closed = folder.join(format!(".session.{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&closed);
-        std::fs::DirBuilder::new().mode(0o700).create(&closed)?;
-        let made = closed.join("s");
-        let opened = UnixListener::bind(&made).and_then(|listener| {
-            std::fs::set_permissions(&made, std::fs::Permissions::from_mode(0o600))?;
-            listener.set_nonblocking(true)?;
-            std::fs::rename(&made, &path)?;
-            Ok(listener)
-        });
-        let _ = std::fs::remove_dir_all(&closed);
         Ok(Self {
-            listener: opened?,
-            path,
+            listener: listen(folder)?,
+            path: path(folder),
             clients: Vec::new(),
             history: VecDeque::new(),
             table: Vec::new(),
             beat_ms: 0,
         })
+    }
+
+    /// Opens it again where its folder was moved or deleted; whether it was.
+    pub(super) fn restore(&mut self, folder: &Path) -> bool {
+        if std::fs::symlink_metadata(&self.path).is_ok() {
+            return false;
+        }
+        // Without the folder there is no session, until it is there again.
+        match listen(folder) {
+            Ok(listener) => {
+                self.listener = listener;
+                true
+            }
+            Err(_) => false,
+        }
     }
 
     /// Shows a line to every terminal.
@@ -115,7 +117,7 @@ impl Socket {
     /// terminal of its own, that one does.
     pub(super) fn poll(&mut self, has_terminal: bool) -> Option<Intervention> {
         self.admit();
-        let now_ms = unix_ms();
+        let now_ms = steady_ms();
         if now_ms.abs_diff(self.beat_ms) >= BEAT_MS {
             self.beat_ms = now_ms;
             self.beat(ASK);
@@ -242,6 +244,24 @@ impl Socket {
             client.flush();
         }
     }
+}
+
+/// Listens in the folder of the records.
+fn listen(folder: &Path) -> io::Result<UnixListener> {
+    let path = path(folder);
+    // Nobody else enters the folder in which it is made, until its mode is set.
+    let closed = folder.join(format!(".session.{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&closed);
+    std::fs::DirBuilder::new().mode(0o700).create(&closed)?;
+    let made = closed.join("s");
+    let opened = UnixListener::bind(&made).and_then(|listener| {
+        std::fs::set_permissions(&made, std::fs::Permissions::from_mode(0o600))?;
+        listener.set_nonblocking(true)?;
+        std::fs::rename(&made, &path)?;
+        Ok(listener)
+    });
+    let _ = std::fs::remove_dir_all(&closed);
+    opened
 }
 
 /// An order and when it was given; older terminals do not say that.

@@ -1,5 +1,6 @@
 //! The output folder: `plan` writes its files, `upload` reads them.
 
+pub(super) mod claim;
 pub(super) mod missions;
 pub(super) mod replace;
 pub(super) mod runs;

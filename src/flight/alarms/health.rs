@@ -94,7 +94,9 @@ impl HealthState {
     pub(super) fn handle(&mut self, t_s: f64, message: &Message) {
         self.quiet_s = 0.0;
         match message {
-            Message::StatusText { severity, text } if *severity <= CRITICAL => {
+            Message::StatusText { severity, text }
+                if *severity <= CRITICAL && !is_before_arming(text) =>
+            {
                 while self.texts_s.front().is_some_and(|at| t_s - at > TEXTS_S) {
                     self.texts_s.pop_front();
                 }
@@ -273,6 +275,12 @@ impl HealthState {
     pub(super) fn take_text(&mut self) -> Option<String> {
         self.texts.pop_front()
     }
+}
+
+/// Whether a text says why a vehicle cannot be armed: an autopilot looks for that only while its motors stand.
+fn is_before_arming(text: &str) -> bool {
+    let begins = ["PreArm:", "Arm:", "Preflight Fail"];
+    begins.iter().any(|begin| text.starts_with(begin))
 }
 
 /// `GPS_FIX_TYPE` in words.

@@ -1,5 +1,6 @@
 //! What is on board, and in which mode: changed by whom.
 
+pub(super) mod changes;
 mod elsewhere;
 mod settings;
 
@@ -15,6 +16,29 @@ use settings::Settings;
 /// `MAV_STATE_CRITICAL`: from here on the autopilot acts in an emergency.
 const STATE_CRITICAL: u8 = 5;
 const STATE_EMERGENCY: u8 = 6;
+/// `MAV_STATE`s of an emergency: the number, the name, and what it says in the words of MAVLink.
+pub(super) const STATES: [(u8, &str, &str); 4] = [
+    (
+        STATE_CRITICAL,
+        "MAV_STATE_CRITICAL",
+        "it is in a failsafe, and can still navigate",
+    ),
+    (
+        STATE_EMERGENCY,
+        "MAV_STATE_EMERGENCY",
+        "it lost control over parts or over the whole airframe: it is in mayday and going down",
+    ),
+    (
+        7,
+        "MAV_STATE_POWEROFF",
+        "it has begun to power down, and shuts down now",
+    ),
+    (
+        8,
+        "MAV_STATE_FLIGHT_TERMINATION",
+        "it terminates itself, by a failsafe or by command",
+    ),
+];
 /// What was heard this long before a change of the mode explains it, seconds.
 const EXPLAINS_S: f64 = 3.0;
 /// Another mission may be that of a `replan` that is heard of later, seconds.
@@ -312,6 +336,11 @@ impl Onboard {
     pub(super) fn flies_mission(&self, mission: &VehicleMission) -> bool {
         let beat = self.beat;
         beat.is_some_and(|beat| modes::is_mission(mission, beat.custom_mode))
+    }
+
+    /// Whether its heartbeat says this `MAV_STATE`.
+    pub(super) fn is_in_state(&self, state: u8) -> bool {
+        self.beat.is_some_and(|beat| beat.system_status == state)
     }
 
     /// The mode that it is in, if it is not the one of its mission any more.

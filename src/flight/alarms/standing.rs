@@ -1,5 +1,6 @@
 //! Alarms that stand: raised once, and over when their cause is gone.
 
+use super::onboard::STATES;
 use super::{Alarm, Alarms, BEATS_S};
 use crate::spec::AlarmKind;
 
@@ -46,14 +47,12 @@ impl Alarms<'_> {
         let [home, rally, lists] = others.map(|text| text.map(str::to_owned));
         let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
-        if mode.is_some() && mode != of.mode_said {
+        if of.mode_said.is_news(t_s, mode.as_deref()) {
             // Another mode is another alarm.
-            of.mode_said.clone_from(&mode);
             self.standing.remove(&(AlarmKind::Mode, index, None, ""));
         }
         let settings = of.onboard.settings().filter(|_| flies).map(str::to_owned);
-        if settings.is_some() && settings != of.settings_said {
-            of.settings_said.clone_from(&settings);
+        if of.settings_said.is_news(t_s, settings.as_deref()) {
             self.standing
                 .remove(&(AlarmKind::Mission, index, None, "parameters"));
         }
@@ -73,6 +72,26 @@ impl Alarms<'_> {
             (AlarmKind::Mode, "", mode),
         ] {
             self.set(t_s, (kind, index, None, cause), text);
+        }
+        self.look_at_states(t_s, index, flies);
+    }
+
+    /// Raises what its heartbeats say of an emergency, and how often its mode and its parameters changed besides.
+    fn look_at_states(&mut self, t_s: f64, index: usize, flies: bool) {
+        for (state, name, words) in STATES {
+            let says = flies && self.vehicles[index].onboard.is_in_state(state);
+            let text = says.then(|| format!("its heartbeat says {name}: {words}"));
+            self.set(t_s, (AlarmKind::Text, index, None, name), text);
+        }
+        let of = &mut self.vehicles[index];
+        let counted = [
+            (AlarmKind::Mode, "", of.mode_said.poll(t_s)),
+            (AlarmKind::Mission, "parameters", of.settings_said.poll(t_s)),
+        ];
+        for (kind, cause, text) in counted {
+            if let Some(text) = text {
+                self.push(t_s, (kind, index, None, cause), true, text);
+            }
         }
     }
 

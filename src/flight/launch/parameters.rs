@@ -16,6 +16,12 @@ const LONGEST_MS: u64 = 15_000;
 /// Requests before a parameter counts as unknown to the vehicle.
 const MOST: u8 = 6;
 
+/// Parameters that are requested ahead of the one that is awaited: over a slow link one after the other takes long.
+const AHEAD: usize = 8;
+/// In flight one parameter after the other is read again, each after this time, milliseconds: not every autopilot says
+/// that one was set.
+const IN_FLIGHT_MS: u64 = 2000;
+
 /// A parameter that the vehicle says to be another one is read again as often, after it was checked.
 const READ_AGAIN: u8 = 3;
 
@@ -39,6 +45,9 @@ pub(in crate::flight) struct OtherSetting {
 pub(crate) struct SettingsCheck<'a> {
     planned: &'a [Parameter],
     at: usize,
+    /// The first that was not requested ahead, and what came of those that were, by the place in `planned`.
+    ahead: usize,
+    early: BTreeMap<usize, (String, ParamValue)>,
     due: Time,
     requested: u8,
     /// Between two requests, milliseconds.
@@ -59,6 +68,9 @@ pub(crate) struct SettingsCheck<'a> {
     others: BTreeMap<usize, OtherSetting>,
     /// What was sent to be set: its name, and the values before and after, in its unit.
     sent: Vec<(String, f32, f32)>,
+    /// The one that is read again next in flight, and when.
+    looked: usize,
+    look_due: Time,
 }
 
 impl<'a> SettingsCheck<'a> {
@@ -67,6 +79,8 @@ impl<'a> SettingsCheck<'a> {
         Self {
             planned,
             at: 0,
+            ahead: 0,
+            early: BTreeMap::new(),
             due: now,
             requested: 0,
             repeat_ms: REPEAT_MS,
@@ -79,6 +93,8 @@ impl<'a> SettingsCheck<'a> {
             accepted: BTreeMap::new(),
             others: BTreeMap::new(),
             sent: Vec::new(),
+            looked: 0,
+            look_due: now,
         }
     }
 
@@ -175,6 +191,7 @@ impl<'a> SettingsCheck<'a> {
         let value = held.value(self.bytewise);
         let at_work = self.planned.get(self.at);
         let Some(planned) = at_work.filter(|planned| is_name_of(name, planned)) else {
+            self.heard_early(name, held);
             return self.heard_again(now, name, value);
         };
         let planned_value = value_as(planned, name);
@@ -186,6 +203,7 @@ impl<'a> SettingsCheck<'a> {
             self.setting = Some((name.to_owned(), held.with(planned_value, self.bytewise)));
             self.sent.push((name.to_owned(), value, planned_value));
             (self.due, self.requested, self.is_changed) = (now, 0, true);
+            self.early.clear();
         } else if !self.set {
             self.differences.push(format!(
                 "parameter {name} is {value}, the verdict assumes {planned_value} ({})",
@@ -202,6 +220,53 @@ impl<'a> SettingsCheck<'a> {
             self.accepted.insert(self.at, other);
             self.next(now);
         }
+    }
+
+    /// Takes in one that was requested ahead.
+    fn heard_early(&mut self, name: &str, held: ParamValue) {
+        if self.is_changed {
+            return;
+        }
+        let range = (self.at + 1).min(self.ahead)..self.ahead;
+        let mut awaited = range.filter(|at| is_name_of(name, &self.planned[*at]));
+        if let Some(at) = awaited.next() {
+            self.early.insert(at, (name.to_owned(), held));
+        }
+    }
+
+    /// Requests those that come next, under each of their names, once.
+    pub(crate) fn poll_ahead(&mut self, target: Address) -> Vec<Message> {
+        let until = (self.at + AHEAD).min(self.planned.len());
+        // The first is requested in its turn, and again until it comes.
+        let from = self.ahead.max(self.at + 1).min(until);
+        // What is set may change others.
+        if self.at >= self.planned.len() || self.is_changed {
+            return Vec::new();
+        }
+        self.ahead = until.max(self.ahead);
+        let names = self.planned[from..until].iter().flat_map(|planned| {
+            let other = other_name(&planned.name).map(str::to_owned);
+            std::iter::once(planned.name.clone()).chain(other)
+        });
+        let read = |name| Message::Flight(FlightMessage::ParamRead { target, name });
+        names.map(read).collect()
+    }
+
+    /// Reads the next one again in flight.
+    pub(crate) fn look_again(&mut self, now: Time, target: Address) -> Vec<Message> {
+        if now < self.look_due || self.at < self.planned.len() || self.planned.is_empty() {
+            return Vec::new();
+        }
+        self.look_due = now + IN_FLIGHT_MS;
+        self.looked = (self.looked + 1) % self.planned.len();
+        let planned = &self.planned[self.looked].name;
+        // A vehicle knows one of the names.
+        let names = std::iter::once(planned.as_str()).chain(other_name(planned));
+        let read = |name: &str| {
+            let name = name.to_owned();
+            Message::Flight(FlightMessage::ParamRead { target, name })
+        };
+        names.map(read).collect()
     }
 
     /// The message that is due, if any.
@@ -262,11 +327,16 @@ impl<'a> SettingsCheck<'a> {
         (self.requested, self.due, self.setting) = (0, now, None);
         if self.at == self.planned.len() && self.is_changed && self.differences.is_empty() {
             (self.at, self.set, self.is_changed) = (0, false, false);
+            self.ahead = 0;
+            self.early.clear();
         }
         // The vehicle has it under another name.
         let at_work = self.planned.get(self.at);
         if at_work.is_some_and(|planned| self.unknown.contains(&planned.name.as_str())) {
-            self.next(now);
+            return self.next(now);
+        }
+        if let Some((name, held)) = self.early.remove(&self.at) {
+            self.heard(now, &name, held);
         }
     }
 }

@@ -1,13 +1,13 @@
 //! A flight whose ground station crashed, by its record: everything that goes on from there.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::journal::{Journal, unwritable};
 use super::lines::Line;
 use super::read::read_record;
-use super::underway::{Ended, Underway};
+use super::underway::{Ended, Notice, Underway};
 use super::{Flight, Record};
+use crate::flight::clock::steady_ms;
 use crate::flight::error::FlightError;
 use crate::flight::session::end::End;
 use crate::geodesy::LocalFrame;
@@ -24,8 +24,8 @@ pub struct Interrupted {
     replan_lines: usize,
     /// What comes after the last line that can be read.
     lost: Vec<u8>,
-    /// Vehicles that were down, by the notice of the flight.
-    ended: BTreeMap<String, Ended>,
+    /// What `fly` wrote of the flight.
+    notice: Notice,
 }
 
 impl Interrupted {
@@ -74,9 +74,9 @@ impl Interrupted {
             path,
             record,
             t0_unix_ms,
+            notice: notice.clone(),
             replan_lines,
             lost: bytes[length..].to_vec(),
-            ended: notice.ended.clone(),
         })
     }
 
@@ -90,6 +90,18 @@ impl Interrupted {
     #[must_use]
     pub fn t0_unix_ms(&self) -> u64 {
         self.t0_unix_ms
+    }
+
+    /// The time of now, milliseconds since 1970, on a clock that was not set since T0, as far as there is one.
+    #[must_use]
+    pub fn now_unix_ms(&self) -> u64 {
+        let since_ms = self.notice.since_t0_ms(steady_ms());
+        self.t0_unix_ms.saturating_add(since_ms)
+    }
+
+    /// What an operator must know of the time since T0.
+    pub(crate) fn clock_words(&self) -> Option<String> {
+        self.notice.clock_words()
     }
 
     /// How much faster than the wall's clock the vehicles' time goes.
@@ -112,7 +124,11 @@ impl Interrupted {
             let (end, t_s) = (flown.end.words().to_owned(), flown.until_s);
             return Some((Ended { end, t_s }, true));
         }
-        self.ended.get(vehicle).cloned().map(|ended| (ended, false))
+        self.notice
+            .ended
+            .get(vehicle)
+            .cloned()
+            .map(|ended| (ended, false))
     }
 
     /// When the last position was recorded, seconds after T0.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lines::Line;
 use super::read::SPEEDUP;
-use crate::flight::clock::unix_ms;
+use crate::flight::clock::{BootTime, steady_ms, unix_ms};
 use crate::flight::error::FlightError;
 use crate::formats::write_file;
 use crate::numeric::text::read_regular;
@@ -24,6 +24,8 @@ const UNDERWAY: &str = "underway.jsonl";
 
 /// No flight takes longer, milliseconds.
 const LONGEST_MS: u64 = 48 * 3600 * 1000;
+/// A clock that is off by more than this was set, milliseconds: else it was only corrected.
+const SET_MS: i128 = 1000;
 
 /// The exchange files of one flight.
 #[derive(Debug)]
@@ -44,6 +46,12 @@ pub struct Notice {
     pub speedup: f64,
     /// Milliseconds since 1970 at T0; none before it.
     pub t0_unix_ms: Option<u64>,
+    /// T0 on the clock of that start of the computer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boot: Option<BootTime>,
+    /// What distinguishes this flight from all others of this computer; empty where it was begun by an older version.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub flight: String,
     /// File name of the record; empty where there is none.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub record: String,
@@ -57,6 +65,25 @@ pub struct Notice {
         skip_serializing_if = "std::ops::Not::not"
     )]
     pub is_simulated: bool,
+}
+
+/// When a flight began.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct T0 {
+    /// Milliseconds since 1970 on the clock of the wall.
+    pub unix_ms: u64,
+    /// The same on a clock that nobody sets.
+    pub boot: Option<BootTime>,
+}
+
+impl T0 {
+    /// Now.
+    pub(crate) fn now() -> Self {
+        Self {
+            unix_ms: unix_ms(),
+            boot: BootTime::now(),
+        }
+    }
 }
 
 /// How the flight of a vehicle ended while others still fly.
@@ -75,6 +102,8 @@ impl Default for Notice {
             links: BTreeMap::new(),
             speedup: 1.0,
             t0_unix_ms: None,
+            boot: None,
+            flight: String::new(),
             record: String::new(),
             ended: BTreeMap::new(),
             is_simulated: false,
@@ -83,20 +112,72 @@ impl Default for Notice {
 }
 
 impl Notice {
-    /// Seconds after T0; 0 where T0 is not known.
+    /// Seconds after T0 of a time on the steady clock, milliseconds; 0 where T0 is not known.
     #[must_use]
-    pub fn t_s(&self, unix_ms: u64) -> f64 {
+    pub fn t_s(&self, steady_ms: u64) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
-        let since = |t0_ms: u64| unix_ms.saturating_sub(t0_ms) as f64 / 1000.0 * self.speedup;
-        self.t0_unix_ms.map_or(0.0, since)
+        let since_ms = self.since_t0_ms(steady_ms) as f64;
+        since_ms / 1000.0 * self.speedup
+    }
+
+    /// T0, if there was one.
+    #[must_use]
+    pub fn t0(&self) -> Option<T0> {
+        self.t0_unix_ms.map(|unix_ms| T0 {
+            unix_ms,
+            boot: self.boot.clone(),
+        })
+    }
+
+    /// T0 on the clock of this start of the computer, if it was in it.
+    fn t0_here(&self) -> Option<u64> {
+        let (t0, now) = (self.boot.as_ref()?, BootTime::now()?);
+        (t0.id == now.id && t0.ms <= now.ms).then_some(t0.ms)
+    }
+
+    /// Milliseconds since T0 at a time on the steady clock, and 0 without T0. Of T0 in another start of the computer, or
+    /// where it has no such clock, that of the wall says when it was.
+    pub(crate) fn since_t0_ms(&self, at_ms: u64) -> u64 {
+        let (Some(t0_unix_ms), here) = (self.t0_unix_ms, self.t0_here()) else {
+            return 0;
+        };
+        let ago_ms = i128::from(steady_ms()) - i128::from(at_ms);
+        let by_wall_ms = || i128::from(unix_ms()) - i128::from(t0_unix_ms) - ago_ms;
+        let since_ms = here.map_or_else(by_wall_ms, |t0_ms| i128::from(at_ms) - i128::from(t0_ms));
+        u64::try_from(since_ms).unwrap_or(0)
+    }
+
+    /// What an operator must know of the time since T0: that a clock was set, or that nobody knows.
+    pub(crate) fn clock_words(&self) -> Option<String> {
+        let t0_unix_ms = self.t0_unix_ms?;
+        if self.t0_here().is_none() {
+            let why = match (&self.boot, BootTime::now()) {
+                (Some(_), Some(_)) => "this computer was started again since T0",
+                _ => "no other clock says when T0 was",
+            };
+            return Some(format!(
+                "{why}: the time since T0 is that of its clock, and wrong by as much as that was set meanwhile"
+            ));
+        }
+        let by_wall_ms = i128::from(unix_ms()) - i128::from(t0_unix_ms);
+        let set_ms = by_wall_ms - i128::from(self.since_t0_ms(steady_ms()));
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds of years")]
+        let set_s = set_ms as f64 / 1000.0;
+        (set_ms.abs() > SET_MS).then(|| {
+            format!(
+                "the clock of this computer was set by {set_s:+.1} s since T0: times are by one that nobody sets"
+            )
+        })
     }
 
     /// The first problem of a notice that was read, in words.
     fn problem(&self) -> Option<String> {
         let now_ms = unix_ms();
         let is_now = |t0_ms: &u64| (now_ms.saturating_sub(LONGEST_MS)..=now_ms).contains(t0_ms);
-        if self.t0_unix_ms.as_ref().is_some_and(|t0_ms| !is_now(t0_ms)) {
-            return Some("`t0_unix_ms` is not within the last two days".to_owned());
+        let is_known = self.t0_here().is_some() && self.since_t0_ms(steady_ms()) <= LONGEST_MS;
+        if !is_known && self.t0_unix_ms.as_ref().is_some_and(|t0_ms| !is_now(t0_ms)) {
+            let text = "`t0_unix_ms` is not within the last two days by the clock of this computer: set that right";
+            return Some(text.to_owned());
         }
         let mut links = self.links.iter();
         if let Some((vehicle, link)) = links.find(|(_, link)| Link::parse(link).is_none()) {
@@ -122,6 +203,8 @@ impl Underway {
                 links,
                 speedup,
                 t0_unix_ms: None,
+                boot: None,
+                flight: String::new(),
                 record: String::new(),
                 ended: BTreeMap::new(),
                 is_simulated: false,
@@ -174,15 +257,16 @@ impl Underway {
     /// [`FlightError::Record`]
     pub fn announce(
         &self,
-        t0_unix_ms: Option<u64>,
+        t0: Option<&T0>,
         ended: BTreeMap<String, Ended>,
     ) -> Result<(), FlightError> {
         let notice = Notice {
-            t0_unix_ms,
+            t0_unix_ms: t0.map(|t0| t0.unix_ms),
+            boot: t0.and_then(|t0| t0.boot.clone()),
             ended,
             ..self.notice.clone()
         };
-        if t0_unix_ms.is_none() {
+        if t0.is_none() {
             // Lines for an earlier flight do not count for this one.
             let _ = std::fs::remove_file(self.underway());
         }
@@ -228,47 +312,58 @@ impl Underway {
         })
     }
 
-    /// Bytes of the first threats and plans, which are in the record already, and of how those were taken.
+    /// Writes the lines of `replan` again, which were moved away or deleted with their folder.
+    pub(crate) fn restore(&self, lines: &str) -> Result<(), FlightError> {
+        let path = self.underway();
+        if lines.is_empty() || path.exists() {
+            return Ok(());
+        }
+        Ok(write_file(&path, lines.as_bytes())?)
+    }
+
+    /// The first threats and plans, which are in the record already, and how those were taken.
     #[must_use]
-    pub(crate) fn length_of(&self, lines: usize) -> usize {
+    pub(crate) fn first(&self, lines: usize) -> String {
         let text = read_regular(&self.underway()).unwrap_or_default();
         let is_counted = |line: &str| {
             serde_json::from_str(line.trim_end()).is_ok_and(|of: Line| of.is_of_replan())
         };
-        let (mut left, mut length) = (lines, 0);
+        let (mut left, mut first) = (lines, String::new());
+        if lines == 0 {
+            return first;
+        }
         for line in text.split_inclusive('\n') {
             let counts = is_counted(line);
             if counts && left == 0 {
                 break;
             }
             left -= usize::from(counts);
-            length += line.len();
+            first += line;
         }
-        if lines == 0 { 0 } else { length }
+        first
     }
 
     /// The threats that came up so far.
     #[must_use]
     pub fn popups(&self) -> Vec<Threat> {
-        let (lines, _) = self.lines_after(0);
-        let popup = |line: &String| match serde_json::from_str(line).ok()? {
+        let lines = self.lines_after(0);
+        let popup = |line: &str| match serde_json::from_str(line).ok()? {
             Line::Threat { t_s, threat } => threat.popup(t_s).ok().map(|popup| popup.threat),
             _ => None,
         };
-        lines.iter().filter_map(popup).collect()
+        lines.lines().filter_map(popup).collect()
     }
 
-    /// Whole lines after the first `taken` bytes, and the number of bytes up to their end.
-    pub(crate) fn lines_after(&self, taken: usize) -> (Vec<String>, usize) {
+    /// Whole lines after the first `taken` bytes.
+    pub(crate) fn lines_after(&self, taken: usize) -> String {
         let path = self.underway();
         let has_more = std::fs::metadata(&path).is_ok_and(|of| of.len() > taken as u64);
         if !has_more {
-            return (Vec::new(), taken);
+            return String::new();
         }
         let text = read_regular(&path).unwrap_or_default();
         let fresh = text.get(taken..).unwrap_or_default();
         let whole = fresh.rfind('\n').map_or("", |end| &fresh[..=end]);
-        let lines = whole.lines().map(str::to_owned).collect();
-        (lines, taken + whole.len())
+        whole.to_owned()
     }
 }

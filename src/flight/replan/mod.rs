@@ -18,7 +18,7 @@ mod state;
 
 use std::collections::BTreeMap;
 
-use super::clock::{Clock, unix_ms};
+use super::clock::{Clock, steady_ms};
 use super::error::FlightError;
 use super::launch::plan::FlightPlan;
 use super::record::lines::Line;
@@ -148,7 +148,7 @@ impl<'a> Replanner<'a> {
             popups,
             notice,
             threat_time: ThreatTime {
-                unix_ms: threat_ms,
+                steady_ms: threat_ms,
                 speedup: notice.speedup,
             },
             links: Links::open(&systems)?,
@@ -177,7 +177,7 @@ impl<'a> Replanner<'a> {
                 others: Vec::new(),
                 concerned: Vec::new(),
                 unavoidable: Vec::new(),
-                now_s: self.notice.t_s(observation.unix_ms),
+                now_s: self.notice.t_s(observation.steady_ms),
                 seed,
             };
             assessment.sort(&states, lead_s, &no_path);
@@ -215,7 +215,7 @@ impl<'a> Replanner<'a> {
     /// Lines for the record: the new plans.
     #[must_use]
     pub fn record_lines(&self, decision: &Decision) -> Vec<Line> {
-        let since_s = self.notice.t_s(decision.observation.unix_ms);
+        let since_s = self.notice.t_s(decision.observation.steady_ms);
         let missions = decision.missions.iter();
         missions
             .map(|new| Line::of_plan(&self.plan.vehicle(new.vehicle).id, since_s, &new.plan))
@@ -225,7 +225,7 @@ impl<'a> Replanner<'a> {
     /// Lines for the record: how each vehicle took its new mission.
     #[must_use]
     pub fn outcome_lines(&self, outcomes: &Outcomes) -> Vec<Line> {
-        let t_s = Some(self.notice.t_s(unix_ms()));
+        let t_s = Some(self.notice.t_s(steady_ms()));
         let line = |(index, outcome): (&usize, &Result<(), String>)| Line::Event {
             t_s,
             vehicle: Some(self.plan.vehicle(*index).id.clone()),

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use crate::flight::clock::{Clock, unix_ms};
+use crate::flight::clock::{Clock, steady_ms};
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::record::underway::Ended;
@@ -46,7 +46,7 @@ pub(super) struct Observation {
     /// Those that were not heard.
     pub(super) silent: BTreeSet<usize>,
     /// The time, milliseconds since 1970.
-    pub(super) unix_ms: u64,
+    pub(super) steady_ms: u64,
     /// The same on the clock of the command, seconds.
     pub(super) at_s: f64,
     /// Time that reading all lists took, seconds.
@@ -134,7 +134,7 @@ impl<'a> Observer<'a> {
         let mut observation = Observation {
             vehicles: BTreeMap::new(),
             silent: BTreeSet::new(),
-            unix_ms: unix_ms(),
+            steady_ms: steady_ms(),
             at_s: self.clock.seconds(),
             reading_s: self.reading_s,
         };
@@ -257,7 +257,7 @@ impl<'a> Observer<'a> {
                 // One without a fix says 0, 0.
                 Message::Flight(FlightMessage::Position(position)) if position.is_known() => {
                     (of.position, of.moved) = (Some(*position), now);
-                    of.flown.push((unix_ms(), *position));
+                    of.flown.push((steady_ms(), *position));
                 }
                 Message::Mission(_) => of.moved = now,
                 _ => {}

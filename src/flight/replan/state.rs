@@ -90,7 +90,7 @@ pub(crate) struct Branch {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThreatTime {
     /// Milliseconds since 1970.
-    pub(super) unix_ms: u64,
+    pub(super) steady_ms: u64,
     /// How much faster than the clock the time of the vehicles goes.
     pub(super) speedup: f64,
 }
@@ -103,7 +103,7 @@ impl ThreatTime {
         let mut flown: Vec<PlanPoint> = positions.map(|at| point(plan, at)).collect();
         if let (Some((heard_ms, first)), Some(from)) = (observed.flown.first(), flown.first()) {
             #[expect(clippy::cast_precision_loss, reason = "milliseconds of one command")]
-            let before_s = heard_ms.saturating_sub(self.unix_ms) as f64 / 1000.0 * self.speedup;
+            let before_s = heard_ms.saturating_sub(self.steady_ms) as f64 / 1000.0 * self.speedup;
             let [north_m, east_m, _] = first
                 .velocity_cmps
                 .map(|cmps| f64::from(cmps) / 100.0 * before_s);

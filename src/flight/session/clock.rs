@@ -25,6 +25,8 @@ pub(crate) struct Offset {
     /// The difference that was used last, and when an answer said what it is at least.
     used_ms: Option<f64>,
     answered_ms: Option<f64>,
+    /// How late the last message with a stamp came.
+    late_ms: f64,
     /// The last stamp that was taken, and when it arrived.
     last_ms: Option<(f64, f64)>,
     /// The last of those that are off, and how many there are in a row.
@@ -65,7 +67,14 @@ impl Offset {
         (self.off_ms, self.off_count) = (None, 0);
         self.last_ms = Some((boot_ms, arrived_ms));
         let at_ms = self.take(boot_ms, arrived_ms);
+        self.late_ms = (arrived_ms - at_ms).max(0.0);
         Some(Aligned { at_ms, jump_s })
+    }
+
+    /// When a message without a stamp was sent that arrived at `arrived_ms`: as late as the last one with a stamp, and
+    /// after it.
+    pub(crate) fn sent_ms(&self, arrived_ms: f64) -> f64 {
+        arrived_ms - self.late_ms
     }
 
     /// Takes in the vehicle's time in an answer to what was sent to it at `sent_ms` of the fleet's clock.

@@ -29,7 +29,27 @@ pub struct Launch {
     pub until: Time,
 }
 
+impl Launch {
+    /// Between two times of the clock of the wall, milliseconds since 1970, where it is `unix_ms` now.
+    #[must_use]
+    pub fn between((from_ms, until_ms): (u64, u64), unix_ms: u64, now: Time) -> Self {
+        let at = |wall_ms: u64| {
+            let is_over_ms = unix_ms.saturating_sub(wall_ms);
+            Time(now.0.saturating_sub(is_over_ms)) + wall_ms.saturating_sub(unix_ms)
+        };
+        Self {
+            from: at(from_ms),
+            until: at(until_ms),
+        }
+    }
+}
+
 impl Fleet<'_> {
+    /// Changes when it may begin: the clock of the wall may be set while it waits.
+    pub fn retime_launch(&mut self, launch: Launch) {
+        self.options.launch = Some(launch);
+    }
+
     fn refusals(&self) -> Vec<(String, String)> {
         self.vehicles
             .iter()

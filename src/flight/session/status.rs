@@ -1,8 +1,9 @@
 //! Where every vehicle of a fleet in flight is, for the screen.
 
 use super::end::End;
+use super::monitor::silence_s;
 use super::vehicle::{FlightVehicle, Instruction, Stage};
-use super::{Fleet, modes, silence_s};
+use super::{Fleet, modes};
 use crate::flight::record::Fix;
 use crate::link::Time;
 use crate::spec::AlarmKind;

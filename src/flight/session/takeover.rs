@@ -7,16 +7,17 @@ use crate::flight::record::Flight;
 use crate::flight::record::interrupted::Interrupted;
 use crate::link::{Address, Time};
 
-/// The last plan of a vehicle, if it was not seen to fly it yet: its number of items, and how it is flown.
-fn sent(recorded: &Flight) -> Option<(usize, Reference)> {
+/// The last plan of a vehicle, if it was not seen to fly it yet: when it was sent, seconds after T0, its number of items,
+/// and how it is flown.
+fn sent(recorded: &Flight) -> Option<(f64, (usize, Reference))> {
     let flown = recorded.plan_of_each().last().copied().unwrap_or_default();
     let (last, plan) = recorded.plans.iter().enumerate().next_back()?;
-    (last > flown).then(|| (plan.items, plan.reference.clone()))
+    (last > flown).then(|| (plan.from_s, (plan.items, plan.reference.clone())))
 }
 
 impl<'a> Fleet<'a> {
     /// Takes over a flight from its record, in the name of `us`, at a time on the clock of the
-    /// driver and in milliseconds since 1970. Each vehicle flies the plan of its last position, or is sent a later one;
+    /// driver and in milliseconds since 1970, on a clock that was not set since T0. Each vehicle flies the plan of its last position, or is sent a later one;
     /// the time without a record is named as a stop.
     #[must_use]
     pub fn take_over(
@@ -45,7 +46,8 @@ impl<'a> Fleet<'a> {
         for vehicle in &mut fleet.vehicles {
             if let Some(recorded) = flight.flight(vehicle.of.vehicle) {
                 vehicle.take_over(recorded, t0_ms);
-                vehicle.total.next = sent(recorded);
+                let (sent_s, next) = sent(recorded).unzip();
+                (vehicle.total.sent_s, vehicle.total.next) = (sent_s, next);
             }
             if let Some(ended) = flight.ended(vehicle.of.vehicle) {
                 vehicle.take_over_ended(ended);
@@ -61,6 +63,10 @@ impl<'a> Fleet<'a> {
             ),
             alarm: None,
         });
+        let clock = flight
+            .clock_words()
+            .map(|text| Event::new(Some(t_s), None, text));
+        fleet.events.extend(clock);
         let lost = flight.lost().map(|text| Event::new(Some(t_s), None, text));
         fleet.events.extend(lost);
         fleet

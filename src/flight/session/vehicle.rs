@@ -10,6 +10,7 @@ mod messages;
 mod obeying;
 mod orders;
 mod rejoin;
+mod requests;
 mod texts;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -346,15 +347,11 @@ impl<'a> FlightVehicle<'a> {
         self.now = now;
         self.work(now);
         self.order_motors();
-        let dropped = self.texts.poll(now);
-        self.said.extend(dropped);
+        let counted = self.texts.poll(now);
+        self.said.extend(counted);
         if let Some((address, _)) = self.vehicle {
             self.request(now, address, interval_us);
-            if let Some(settings) = &mut self.settings {
-                settings.take_round_trip(self.checked.round_trip_ms);
-                let message = settings.poll(now, address);
-                self.outbox.extend(message);
-            }
+            self.request_settings(now, address);
             if self.pending.is_none()
                 && let Some(order) = self.orders.pop_front()
             {

@@ -44,12 +44,22 @@ struct Sequence {
 pub(super) struct Sequences {
     both: [Sequence; 2],
     frames: u64,
-    /// The last frame that goes on nowhere, and how many such have gone on from each other.
-    stray: Option<(u8, u8)>,
+    /// The last frames that go on nowhere, how many such have gone on from each other, and when: two vehicles may send
+    /// in turns.
+    strays: [Option<Stray>; 2],
     /// How far one is from the other: to the north, the east and up, metres.
     apart_m: Option<[f64; 3]>,
     in_a_row: u8,
     zigzag: Zigzag,
+}
+
+/// Frames that go on in no sequence.
+#[derive(Clone, Copy, Debug)]
+struct Stray {
+    last: u8,
+    count: u8,
+    /// Number of the last of them, of all frames.
+    used: u64,
 }
 
 /// Whether positions, as they come, are those of two vehicles in turns.
@@ -128,9 +138,17 @@ impl Sequences {
     /// A sequence of its own, in the place of the one that was not used for longer, if a frame is one of it.
     fn begin(&mut self, number: u8) -> Option<usize> {
         let is_next = |last: u8| number.wrapping_sub(last) <= WINDOW;
-        let before = self.stray.filter(|(last, _)| is_next(*last));
-        let count = before.map_or(0, |(_, count)| count) + 1;
-        self.stray = (count < BEGINS).then_some((number, count));
+        let goes_on = |stray: &Option<Stray>| stray.is_some_and(|of| is_next(of.last));
+        let own = self.strays.iter().position(goes_on);
+        let used = |of: usize| self.strays[of].map_or(0, |stray| stray.used);
+        let of = own.unwrap_or(usize::from(used(1) < used(0)));
+        let before = self.strays[of].filter(|_| own.is_some());
+        let count = before.map_or(0, |stray| stray.count) + 1;
+        self.strays[of] = (count < BEGINS).then_some(Stray {
+            last: number,
+            count,
+            used: self.frames,
+        });
         let oldest = usize::from(self.both[1].used < self.both[0].used);
         (count >= BEGINS).then(|| {
             self.both[oldest] = Sequence::default();
@@ -261,6 +279,16 @@ mod tests {
         heard
             .iter()
             .any(|(_, (_, number, position))| sequences.take(*number, position.as_ref()))
+    }
+
+    #[test]
+    fn two_vehicles_that_send_in_turns_with_other_numbers_are_two_whatever_their_clocks() {
+        for clock_ms in [-800.0, -338.0, 0.0, 338.0, 800.0] {
+            let one = port(0, 1, |ms| position(ms, (0.0, 0.0), 0.0));
+            let two = port(100, 1, |ms| position(ms, (4.0, 0.0), clock_ms));
+            let both: Vec<Sent> = one.into_iter().zip(two).flat_map(|(a, b)| [a, b]).collect();
+            assert!(are_two(&both, 1, [0.0; 3]), "{clock_ms}");
+        }
     }
 
     proptest! {

@@ -14,6 +14,10 @@ const LIST_MS: u64 = 1500;
 const MAX_LISTS: u32 = 20;
 /// Silence in mid transfer before it is started over, milliseconds. PX4 forgets after 5 s.
 const SILENCE_MS: u64 = 6000;
+/// Items in float degrees, and none in integers, before a vehicle counts as one that knows no others.
+const MAX_FLOATS: u32 = 3;
+/// Runs in a row in which the list is counted and no item comes. One takes [`SILENCE_MS`].
+const MAX_EMPTY_RUNS: u32 = 10;
 /// Wait after `DENIED` or `ERROR` before asking again, milliseconds.
 const BUSY_MS: u64 = 1500;
 
@@ -37,6 +41,9 @@ pub struct Download {
     is_unchanged: bool,
     rtt: RttEstimator,
     lists: u32,
+    /// Items that came in float degrees, and runs in a row without an item.
+    floats: u32,
+    empty_runs: u32,
     complaint: Option<MissionResult>,
     repeats: u32,
     outcome: Option<Result<Vec<Item>, DownloadError>>,
@@ -70,6 +77,18 @@ pub enum DownloadError {
         /// Its code.
         result: MissionResult,
     },
+    /// Items came in the old form alone, in which places are float degrees.
+    #[error(
+        "it answers MISSION_REQUEST_INT with MISSION_ITEM, whose places are up to a metre off: a vehicle without \
+         MISSION_ITEM_INT is not supported"
+    )]
+    FloatDegrees,
+    /// The list was counted, and no item came.
+    #[error("it counts the items of its list, and answered no MISSION_REQUEST_INT in {lists} runs")]
+    NoItems {
+        /// How often the list was requested and counted.
+        lists: u32,
+    },
     /// Time ran out.
     #[error("not finished in time, {held} items were read")]
     OutOfTime {
@@ -96,6 +115,8 @@ impl Download {
             is_unchanged: false,
             rtt: RttEstimator::default(),
             lists: 0,
+            floats: 0,
+            empty_runs: 0,
             complaint: None,
             repeats: 0,
             outcome: None,
@@ -131,6 +152,7 @@ impl Download {
         match self.route.accept(from, message) {
             Some(Body::Count { count, opaque_id }) => self.counted(now, count, opaque_id),
             Some(Body::ItemInt { seq, item, .. }) => self.received(now, seq, item),
+            Some(Body::Item { .. }) => self.received_float(),
             Some(Body::Ack { result, .. }) => self.answered(now, result),
             _ => {}
         }
@@ -161,7 +183,7 @@ impl Download {
                 self.repeats += u32::from(self.lists > 0);
                 self.list(now);
             }
-            Phase::Reading { heard, .. } if now >= heard + SILENCE_MS => self.list(now),
+            Phase::Reading { heard, .. } if now >= heard + SILENCE_MS => self.run_again(now),
             Phase::Reading { .. } => {
                 self.repeats += 1;
                 self.request_missing(now);
@@ -213,6 +235,27 @@ impl Download {
         self.repeats
     }
 
+    /// Nothing more comes of the list: it is begun anew, but not for ever where it never gives an item.
+    fn run_again(&mut self, now: Time) {
+        self.empty_runs += 1;
+        if self.empty_runs >= MAX_EMPTY_RUNS {
+            let lists = self.empty_runs;
+            self.outcome = Some(Err(DownloadError::NoItems { lists }));
+        } else {
+            self.list(now);
+        }
+    }
+
+    /// An answer to another station may be one of these, too.
+    fn received_float(&mut self) {
+        if matches!(self.phase, Phase::Reading { .. }) {
+            self.floats += 1;
+            if self.floats >= MAX_FLOATS {
+                self.outcome = Some(Err(DownloadError::FloatDegrees));
+            }
+        }
+    }
+
     fn list(&mut self, now: Time) {
         self.lists += 1;
         self.forget_items();
@@ -258,6 +301,7 @@ impl Download {
         if !is_asked {
             return;
         }
+        (self.floats, self.empty_runs) = (0, 0);
         // Of several requests only the first answer shows how long one takes.
         if self.window == 1 || is_first {
             self.rtt.sample(now - *asked);

@@ -51,6 +51,11 @@ impl<'a> Expected<'a> {
         )
     }
 
+    /// How many there are of [`Expected::rows`].
+    pub(crate) fn row_count(&self, list: List) -> usize {
+        self.items(list).len() + usize::from(self.has_home(list))
+    }
+
     fn has_home(&self, list: List) -> bool {
         list == List::Mission && self.autopilot.conventions().counts_home
     }

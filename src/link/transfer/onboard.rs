@@ -310,7 +310,7 @@ impl Reading {
                 let route = Route { us, vehicle, list };
                 let deadline = self.began + READING_MS;
                 let mut download = Download::new(route, deadline, now);
-                if self.is_last_look {
+                if self.is_last_look || !self.looks_again {
                     let id = self.ids.get(self.at).copied().unwrap_or_default();
                     download = download.with_window(self.window()).unless_id(id);
                 }

@@ -60,6 +60,18 @@ pub enum Verdict {
     Refused(Refusal),
 }
 
+impl Verdict {
+    /// Why it is not verified, in words; nothing if it is.
+    #[must_use]
+    pub fn why(&self) -> String {
+        match self {
+            Self::Verified => String::new(),
+            Self::Failed(failure) => failure.to_string(),
+            Self::Refused(refusal) => refusal.to_string(),
+        }
+    }
+}
+
 /// Why a transfer failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

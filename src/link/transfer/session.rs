@@ -306,12 +306,13 @@ impl<'a> Session<'a> {
     /// The progress.
     #[must_use]
     pub fn progress(&self) -> Progress {
-        let total = self.expected().items(ORDER[self.at]).len();
+        let total = self.expected().row_count(ORDER[self.at]);
         let (stage, done, total) = match &self.stage {
             _ if self.report.is_some() => ("done", 0, 0),
             Stage::Working(task) => {
                 let (stage, done) = task.progress();
-                (stage, done, total)
+                // It may hold more than it shall.
+                (stage, done, total.max(done))
             }
             Stage::Discovery(_) | Stage::Pausing { .. } => ("waiting", 0, 0),
             Stage::Listening { .. } => ("done", 0, 0),

@@ -202,3 +202,36 @@ fn a_parameter_with_two_names_is_found_under_either() {
     assert!(neither[0].contains("GLIDE_SLOPE_MIN is not known"));
     assert_eq!(differences(&["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"]).len(), 1);
 }
+
+#[test]
+fn parameters_are_requested_ahead_once_and_come_in_any_order() {
+    let planned: Vec<Parameter> = (0_u8..12)
+        .map(|number| Parameter {
+            name: format!("P{number}"),
+            value: f32::from(number),
+            why: String::new(),
+        })
+        .collect();
+    let target = Address {
+        system: 1,
+        component: 1,
+    };
+    let mut check = SettingsCheck::new(&planned, false, false, Time(0));
+    assert!(check.poll(Time(0), target).is_some());
+    assert_eq!(check.poll_ahead(target).len(), AHEAD - 1);
+    assert!(check.poll_ahead(target).is_empty());
+    for number in (0..u8::try_from(AHEAD).expect("a few")).rev() {
+        // One of them has another value.
+        let held = if number == 3 { 7.0 } else { f32::from(number) };
+        check.heard(Time(1), &format!("P{number}"), ParamValue::float(held));
+    }
+    assert_eq!(check.at, AHEAD);
+    assert_eq!(check.poll_ahead(target).len(), 12 - AHEAD - 1);
+    for number in u8::try_from(AHEAD).expect("a few")..12 {
+        let held = f32::from(number);
+        check.heard(Time(2), &format!("P{number}"), ParamValue::float(held));
+    }
+    let differences = check.outcome().expect("all are read");
+    assert_eq!(differences.len(), 1, "{differences:?}");
+    assert!(differences[0].contains("P3 is 7"), "{differences:?}");
+}

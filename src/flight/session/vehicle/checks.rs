@@ -1,39 +1,27 @@
 //! What is made sure of before a vehicle flies.
 
 use super::{FlightVehicle, Stage};
-use crate::autopilot::Autopilot;
 use crate::flight::launch::parameters::{OtherSetting, SettingsCheck};
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
-use crate::link::{Address, Command, FlightMessage, Message, MissionMessage, Time, check_kind};
+use crate::link::{MissionMessage, Reading, Time, check_kind};
 
 /// How long position and home are waited for, milliseconds.
 const REPORTING_MS: u64 = 60_000;
-/// Between two requests for what a vehicle does not broadcast, milliseconds.
-const REQUEST_MS: u64 = 1000;
 /// A parameter that is said to be another one is read again for this long, milliseconds.
 const OTHER_MS: u64 = 1000;
-/// Messages that are requested: `GLOBAL_POSITION_INT` and `MISSION_CURRENT`.
-const POSITION: f32 = 33.0;
-const CURRENT_ITEM: f32 = 42.0;
-/// Those in which it reports its health, and the time between two of each, microseconds: `SYS_STATUS`,
-/// `GPS_RAW_INT`, `BATTERY_STATUS`, then of ArduPilot `FENCE_STATUS` and `EKF_STATUS_REPORT`, of PX4
-/// `ESTIMATOR_STATUS`. A stock ArduPilot sends none of them unasked.
-const SYS_STATUS: u32 = 1;
-const HEALTH: [u32; 3] = [SYS_STATUS, 24, 147];
-const ARDUPILOT_HEALTH: [u32; 2] = [162, 193];
-const PX4_HEALTH: [u32; 1] = [230];
-const HEALTH_US: f32 = 500_000.0;
-/// A current item that was not said for this long is requested again, milliseconds.
-const STALE_MS: u64 = 3000;
 
 /// The ids of its mission, fence and rally points.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Checked {
     /// As it says them now; none where it says none.
     now: Option<[u32; 3]>,
-    /// When all was as planned.
+    /// When it was read.
     ids: Option<[u32; 3]>,
+    /// Whether they changed while it was checked: a vehicle may say that of its own list a little later.
+    has_changed: bool,
+    /// Whether it is read a second time, or was.
+    is_read_again: bool,
     /// How long its last answer to a question for its time took, milliseconds.
     pub(super) round_trip_ms: u64,
 }
@@ -50,12 +38,7 @@ impl FlightVehicle<'_> {
                     return;
                 };
                 if !report.is_verified() {
-                    let why = match &report.verdict {
-                        crate::link::Verdict::Refused(refusal) => refusal.to_string(),
-                        crate::link::Verdict::Failed(failure) => failure.to_string(),
-                        crate::link::Verdict::Verified => String::new(),
-                    };
-                    self.problems.push(why);
+                    self.problems.push(report.verdict.why());
                 }
                 self.check(now);
             }
@@ -74,7 +57,10 @@ impl FlightVehicle<'_> {
                     }
                     Err(failure) => self.problems.push(failure.to_string()),
                 }
-                self.check(now);
+                match self.checked.is_read_again {
+                    true => self.conclude_again(now),
+                    false => self.check(now),
+                }
             }
             Stage::Checking { until } => {
                 let until = *until;
@@ -90,7 +76,10 @@ impl FlightVehicle<'_> {
                     && (is_known || now >= until)
                 {
                     let differences = differences.to_vec();
-                    self.conclude(differences);
+                    match self.may_have_changed() {
+                        true => self.read_again(),
+                        false => self.conclude(differences),
+                    }
                 }
             }
             _ => {}
@@ -176,7 +165,7 @@ impl FlightVehicle<'_> {
     }
 
     /// Whether its version matters and is not known yet.
-    fn lacks_version(&self) -> bool {
+    pub(super) fn lacks_version(&self) -> bool {
         let mission = self.of.mission;
         let matters =
             mission.autopilot_version.is_some() || mission.facts().heights_at_once.is_some();
@@ -213,13 +202,37 @@ impl FlightVehicle<'_> {
             );
         }
         hard.extend(soft);
+        if !hard.is_empty() {
+            self.stage = Stage::Refused(hard);
+            return;
+        }
         self.total.ready = self.total.now;
-        self.checked.ids = self.checked.now;
-        self.stage = if hard.is_empty() {
-            Stage::Ready
-        } else {
-            Stage::Refused(hard)
-        };
+        self.stage = Stage::Ready;
+    }
+
+    /// Whether no id says that what is on board is still what was read: everything else took its time.
+    fn may_have_changed(&self) -> bool {
+        let is_same = self.checked.ids.is_some() && !self.checked.has_changed;
+        !is_same && !self.checked.is_read_again
+    }
+
+    /// Reads what is on board once more.
+    fn read_again(&mut self) {
+        self.checked.is_read_again = true;
+        (self.checked.now, self.checked.ids) = (None, None);
+        let reading = Reading::new(Some(self.of.sysid), self.us, self.now).in_the_air();
+        self.stage = Stage::Reading(Box::new(reading));
+    }
+
+    /// It is ready if it holds what it held before.
+    fn conclude_again(&mut self, now: Time) {
+        if !self.problems.is_empty() {
+            let problems = std::mem::take(&mut self.problems);
+            let changed = |why: String| format!("{why}, after it was read: run `sortie fly` again");
+            self.stage = Stage::Refused(problems.into_iter().map(changed).collect());
+            return;
+        }
+        self.stage = Stage::Checking { until: now };
     }
 
     /// That its heartbeat is of another kind of vehicle than planned.
@@ -281,11 +294,19 @@ impl FlightVehicle<'_> {
         // One that says no id at all says 0 of each.
         let said = ids.iter().any(|id| *id != 0).then_some(ids);
         self.checked.now = said;
-        let is_checked = matches!(self.stage, Stage::Ready | Stage::Arming | Stage::Armed);
-        let (true, false, Some(now)) = (is_checked, has_begun, said) else {
+        let is_read = matches!(
+            self.stage,
+            Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed
+        );
+        let (true, false, Some(now)) = (is_read, has_begun, said) else {
             return;
         };
         let before = *self.checked.ids.get_or_insert(now);
+        if matches!(self.stage, Stage::Checking { .. }) {
+            (self.checked.ids, self.checked.has_changed) =
+                (said, self.checked.has_changed || before != now);
+            return;
+        }
         let is_other = |at: usize| now[at] != before[at];
         let what = if before[0] != 0 && now[0] != 0 && is_other(0) {
             "the mission on board is another one"
@@ -336,57 +357,6 @@ impl FlightVehicle<'_> {
                 "it acknowledged a mission, a fence or rally points to system {system} after they were read: run `sortie fly` again"
             );
             self.stage = Stage::Refused(vec![why]);
-        }
-    }
-
-    /// Requests what it does not broadcast.
-    pub(crate) fn request(&mut self, now: Time, target: Address, interval_us: f32) {
-        if now - self.requested < REQUEST_MS || matches!(self.stage, Stage::Ended) {
-            return;
-        }
-        self.requested = now;
-        let question = self.time_question(now, target);
-        self.outbox.push_back(question);
-        let lacks_version = self.lacks_version();
-        let autopilot = self.autopilot();
-        let mut ask = |order| {
-            self.outbox
-                .push_back(Message::Flight(FlightMessage::Command { target, order }));
-        };
-        let is_ready = matches!(self.stage, Stage::Ready);
-        // Another station may move it.
-        if self.home.is_none() || is_ready {
-            ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
-        }
-        if lacks_version {
-            ask(Command::request_version());
-        }
-        let streams = |id| Command::new(Command::SET_MESSAGE_INTERVAL, [id, interval_us]);
-        let flies = matches!(self.stage, Stage::Starting | Stage::Flying);
-        // A position may be the answer to somebody's single request, and no stream follows it.
-        if !flies || self.position_at.is_none_or(|at| now - at > STALE_MS) {
-            ask(streams(POSITION));
-        }
-        // A vehicle may stream positions already, and nothing about its mission.
-        if self.item_at.is_none_or(|at| now - at > STALE_MS) {
-            ask(streams(CURRENT_ITEM));
-            ask(Command::new(Command::REQUEST_MESSAGE, [CURRENT_ITEM]));
-        } else if is_ready {
-            ask(streams(CURRENT_ITEM));
-        }
-        let own: &[u32] = match autopilot {
-            Autopilot::ArduPilot => &ARDUPILOT_HEALTH,
-            Autopilot::Px4 => &PX4_HEALTH,
-        };
-        let is_old = |at: &Time| now - *at > STALE_MS;
-        let all = is_ready || self.health_at.get(&SYS_STATUS).is_none_or(is_old);
-        for id in HEALTH.iter().chain(own) {
-            // One that never came may be none that it has.
-            if all || self.health_at.get(id).is_some_and(is_old) {
-                #[expect(clippy::cast_precision_loss, reason = "ids of messages have 24 bits")]
-                let id = *id as f32;
-                ask(Command::new(Command::SET_MESSAGE_INTERVAL, [id, HEALTH_US]));
-            }
         }
     }
 }

@@ -69,6 +69,11 @@ impl Height {
         fresh.map(|(state, _)| state)
     }
 
+    /// When it last said whether it is on the ground.
+    pub(super) fn landed_at(&self) -> Option<Time> {
+        self.landed.map(|(_, at)| at)
+    }
+
     /// It stands at that height above home.
     pub(super) fn stand(&mut self, above_m: f64) {
         self.stood_m = above_m;

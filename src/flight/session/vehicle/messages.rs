@@ -81,7 +81,7 @@ impl FlightVehicle<'_> {
         (now, flight_ms, t0_ms): (Time, f64, Option<f64>),
         message: &Message,
     ) {
-        let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
+        let t_s = self.sent_s(flight_ms, t0_ms);
         match message {
             Message::Heartbeat(beat) => {
                 self.beat_at = now;
@@ -133,6 +133,14 @@ impl FlightVehicle<'_> {
             Message::Flight(message) => self.flight_message(now, flight_ms, t0_ms, t_s, message),
             _ => {}
         }
+    }
+
+    /// When a message was sent that came at `flight_ms`, seconds after T0: positions are dated by the clock of the
+    /// vehicle, and everything else by how late they come.
+    pub(in crate::flight::session) fn sent_s(&self, flight_ms: f64, t0_ms: Option<f64>) -> f64 {
+        let last_ms = self.latest.map_or(f64::NEG_INFINITY, |(at_ms, _)| at_ms);
+        let sent_ms = self.offset.sent_ms(flight_ms).max(last_ms).min(flight_ms);
+        t0_ms.map_or(0.0, |t0_ms| (sent_ms - t0_ms).max(0.0) / 1000.0)
     }
 
     /// Whether a heartbeat is of the autopilot, and not of another component of the vehicle.
@@ -366,7 +374,7 @@ impl FlightVehicle<'_> {
                     self.holds = false;
                 }
                 if self.taken_back.is_none() {
-                    self.say_often("is on its mission again".to_owned());
+                    self.say_mode("is on its mission again");
                 }
             }
             _ => {}

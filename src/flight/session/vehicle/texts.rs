@@ -7,6 +7,8 @@ use crate::link::{Position, TextChunks, Time};
 const MAX_TEXTS: u32 = 20;
 /// The period, milliseconds.
 const PERIOD_MS: u64 = 10_000;
+/// Lines about a mode that comes and goes within a period; more of them are counted.
+const MAX_MODES: u32 = 3;
 /// `MAV_SEVERITY_ERROR`: texts up to this have a quota of their own.
 const ERROR: u8 = 3;
 
@@ -19,6 +21,8 @@ pub(crate) struct Texts {
     /// Texts in this period: errors, others, and lines of ours about what it does.
     taken: [u32; 3],
     dropped: u32,
+    /// Changes of its mode in this period.
+    modes: u32,
 }
 
 impl Texts {
@@ -32,13 +36,20 @@ impl Texts {
     }
 
     /// A sentence about the texts that were dropped, once at the end of a period.
-    pub(super) fn poll(&mut self, now: Time) -> Option<String> {
+    pub(super) fn poll(&mut self, now: Time) -> Vec<String> {
         if now - self.since < PERIOD_MS {
-            return None;
+            return Vec::new();
         }
-        let sentence = self.sentence();
-        (self.since, self.taken, self.dropped) = (now, [0; 3], 0);
-        sentence
+        let sentences = self.sentence().into_iter().chain(self.modes_sentence());
+        let sentences = sentences.collect();
+        (self.since, self.taken, self.dropped, self.modes) = (now, [0; 3], 0, 0);
+        sentences
+    }
+
+    fn modes_sentence(&self) -> Option<String> {
+        let more = self.modes.saturating_sub(MAX_MODES);
+        let period_s = PERIOD_MS / 1000;
+        (more > 0).then(|| format!("{more} more changes of its mode within {period_s} s"))
     }
 
     fn sentence(&self) -> Option<String> {
@@ -63,6 +74,14 @@ impl FlightVehicle<'_> {
     pub(super) fn say_often(&mut self, text: String) {
         if self.texts.passes(2) {
             self.said.push_back(text);
+        }
+    }
+
+    /// Says that its mode has changed, which it may do over and over.
+    pub(super) fn say_mode(&mut self, text: &str) {
+        self.texts.modes = self.texts.modes.saturating_add(1);
+        if self.texts.modes <= MAX_MODES {
+            self.said.push_back(text.to_owned());
         }
     }
 
@@ -95,7 +114,8 @@ impl FlightVehicle<'_> {
     /// At the end of its flight.
     pub(super) fn say_what_was_dropped(&mut self) {
         self.said.extend(self.texts.sentence());
-        self.texts.dropped = 0;
+        self.said.extend(self.texts.modes_sentence());
+        (self.texts.dropped, self.texts.modes) = (0, 0);
         if self.invalid_positions > 1 {
             let count = self.invalid_positions;
             self.said.push_back(format!(

@@ -1,11 +1,12 @@
 //! The driver of a fleet in flight: clock, links and record.
 
-use std::collections::BTreeMap;
+mod ends;
+mod replan;
+
 use std::path::Path;
 use std::time::Duration;
 
-use super::end::End;
-use super::start::BEGUN;
+use super::start::{BEGUN, Launch};
 use super::{Event, Fleet, Intervention};
 use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::conformance::judge;
@@ -15,17 +16,20 @@ use crate::flight::document::flight_json;
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::page::flight_page;
+use crate::flight::record::Plan;
 use crate::flight::record::interrupted::Interrupted;
 use crate::flight::record::journal::Journal;
 use crate::flight::record::lines::Line;
 use crate::flight::record::read::read_record;
-use crate::flight::record::underway::{Ended, Underway};
-use crate::flight::record::{Flown, Plan};
+use crate::flight::record::underway::{T0, Underway};
 use crate::formats::write_file;
 use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
 use crate::report;
+use replan::replan_lines;
 
+/// Between two looks at where the record is, milliseconds.
+const LOOK_MS: u64 = 250;
 /// Messages that are handled before the fleet has its turn again.
 const BURST: usize = 1000;
 
@@ -56,11 +60,14 @@ pub struct Driver<'a> {
     underway: &'a Underway,
     /// Everything that could not be written, each once.
     unwritten: Vec<String>,
-    /// Bytes read from the lines of `replan`.
-    read: usize,
-    /// T0, milliseconds since 1970, and the vehicles whose end was announced.
-    t0_unix_ms: Option<u64>,
+    /// What was read of the lines of `replan`.
+    read: String,
+    /// T0, and the vehicles whose end was announced.
+    t0: Option<T0>,
     ended: Vec<String>,
+    look_due: Time,
+    /// Between which times of the clock of the wall it may begin.
+    launch_ms: Option<(u64, u64)>,
 }
 
 /// The verdict on a flight, by its record.
@@ -84,9 +91,11 @@ impl<'a> Driver<'a> {
             journal,
             underway,
             unwritten: Vec::new(),
-            read: 0,
-            t0_unix_ms: underway.notice.t0_unix_ms,
+            read: String::new(),
+            t0: underway.notice.t0(),
             ended: underway.notice.ended.keys().cloned().collect(),
+            look_due: Time(0),
+            launch_ms: None,
         }
     }
 
@@ -94,8 +103,22 @@ impl<'a> Driver<'a> {
     /// has already.
     #[must_use]
     pub fn resuming(mut self, flight: &Interrupted) -> Self {
-        self.read = self.underway.length_of(flight.replan_lines());
+        self.read = self.underway.first(flight.replan_lines());
         self
+    }
+
+    /// Begins no flight but between two times of the clock of the wall, milliseconds since 1970.
+    #[must_use]
+    pub fn launching(mut self, between_ms: Option<(u64, u64)>) -> Self {
+        self.launch_ms = between_ms;
+        self
+    }
+
+    /// When the flight may begin, as the clock of the wall is now.
+    #[must_use]
+    pub fn launch(&self) -> Option<Launch> {
+        let between_ms = self.launch_ms?;
+        Some(Launch::between(between_ms, unix_ms(), self.now()))
     }
 
     /// Time since the driver was made.
@@ -149,14 +172,19 @@ impl<'a> Driver<'a> {
     /// end it: vehicles in the air are monitored to the ground.
     pub fn fly(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
         loop {
+            self.clock.look();
             // Before alarms are looked for.
             self.read_replan(fleet, operator);
             let now = self.now();
+            if let Some(launch) = self.launch() {
+                fleet.retime_launch(launch);
+            }
             fleet.handle_timeout(now);
             while let Some((system, message)) = fleet.poll_transmit() {
                 self.links.send(system, message);
             }
             self.record(fleet, operator);
+            self.look_at_record(fleet, operator, now);
             if let Some(intervention) = operator.intervention() {
                 fleet.intervene(now, intervention);
             }
@@ -194,12 +222,12 @@ impl<'a> Driver<'a> {
         let mut lines: Vec<String> = Vec::new();
         while let Some(event) = fleet.poll_event() {
             if event.vehicle.is_none() && event.text == BEGUN {
-                let t0_unix_ms = unix_ms();
-                self.t0_unix_ms = Some(t0_unix_ms);
-                let announced = self.underway.announce(self.t0_unix_ms, fleet.ended());
+                let t0 = T0::now();
+                let t0_unix_s = t0.unix_ms / 1000;
+                self.t0 = Some(t0);
+                let announced = self.underway.announce(self.t0.as_ref(), fleet.ended());
                 self.note_unwritten(fleet, operator, announced);
                 self.remove_newest();
-                let t0_unix_s = t0_unix_ms / 1000;
                 lines.push(Line::Start { t0_unix_s }.text());
             }
             lines.push(Line::of_event(&event).text());
@@ -226,26 +254,49 @@ impl<'a> Driver<'a> {
         self.announce_ends(fleet, operator);
     }
 
+    /// Looks whether the record is where it should be, and says at once if it is not.
+    fn look_at_record(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator, now: Time) {
+        if now < self.look_due {
+            return;
+        }
+        self.look_due = now + LOOK_MS;
+        let looked = self.journal.look();
+        let text = match looked {
+            Ok(None) => return,
+            Ok(Some(text)) => text,
+            Err(error) => return self.note_unwritten(fleet, operator, Err(error)),
+        };
+        let event = Event::new(fleet.t_s(now), None, text);
+        let written = self.journal.put(&[Line::of_event(&event).text()]);
+        let shown = operator.event(&event);
+        let announced = self.underway.announce(self.t0.as_ref(), fleet.ended());
+        let restored = self.underway.restore(&self.read);
+        for done in [written, shown, announced, restored] {
+            self.note_unwritten(fleet, operator, done);
+        }
+    }
+
     /// Says who is down: neither `replan` nor one who takes the flight over waits for those, which may be switched off.
     fn announce_ends(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
-        if self.t0_unix_ms.is_none() || fleet.down().eq(self.ended.iter().map(String::as_str)) {
+        if self.t0.is_none() || fleet.down().eq(self.ended.iter().map(String::as_str)) {
             return;
         }
         self.ended = fleet.down().map(str::to_owned).collect();
-        let announced = self.underway.announce(self.t0_unix_ms, fleet.ended());
+        let announced = self.underway.announce(self.t0.as_ref(), fleet.ended());
         self.note_unwritten(fleet, operator, announced);
     }
 
     /// Takes in the lines of `replan`. It writes them before it sends, so what a vehicle was heard to hold until now
     /// is in them, if `replan` sent it.
     fn read_replan(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
-        let (fresh, read) = self.underway.lines_after(self.read);
+        let fresh = self.underway.lines_after(self.read.len());
         let now = self.now();
         let lines = fresh
-            .into_iter()
+            .lines()
+            .map(str::to_owned)
             .flat_map(|line| replan_lines(line, fleet, now, operator));
         let lines: Vec<String> = lines.collect();
-        self.read = read;
+        self.read += &fresh;
         let written = self.journal.put(&lines);
         self.note_unwritten(fleet, operator, written);
     }
@@ -296,9 +347,15 @@ impl<'a> Driver<'a> {
         let ended = self.journal.put(&ends);
         self.unwritten
             .extend(ended.err().map(|error| error.to_string()));
+        self.unwritten
+            .extend(self.journal.look().err().map(|error| error.to_string()));
         if self.journal.is_broken() {
             let why = self.unwritten.join("; ");
             let message = format!("{why}: the record breaks off, and the flight is not judged");
+            return Err(FlightError::Record(message));
+        }
+        if let Some(why) = self.journal.spoilt() {
+            let message = format!("{why}: the flight is not judged");
             return Err(FlightError::Record(message));
         }
         Ok(())
@@ -310,10 +367,7 @@ impl<'a> Driver<'a> {
     /// # Errors
     /// [`FlightError::Record`]: the record cannot be read.
     pub fn judge(&self, plan: &FlightPlan) -> Result<Judged, FlightError> {
-        let path = self.journal.path();
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            FlightError::Record(format!("cannot read {}: {error}", path.display()))
-        })?;
+        let text = self.journal.text()?;
         let (spec, world) = (plan.spec(), &plan.world);
         let record = read_record(&text, world.frame)
             .map_err(|error| FlightError::Record(error.to_string()))?;
@@ -340,94 +394,4 @@ impl<'a> Driver<'a> {
         }
         Ok(())
     }
-}
-
-impl Fleet<'_> {
-    /// The vehicles that are in the air when the monitoring ends.
-    #[must_use]
-    pub fn in_the_air(&self) -> Vec<&str> {
-        let stays = |end: &End| matches!(end, End::Held | End::LeftFlying | End::Loitering);
-        let vehicles = self.vehicles.iter();
-        let up = vehicles.filter(|of| stays(&of.flown.end) || of.is_left_up());
-        up.map(|of| of.of.vehicle).collect()
-    }
-
-    /// Those that were not heard since their flight was taken over.
-    #[must_use]
-    pub fn unheard(&self) -> Vec<&str> {
-        let vehicles = self.vehicles.iter();
-        let unheard = vehicles.filter(|of| of.is_unheard());
-        unheard.map(|of| of.of.vehicle).collect()
-    }
-
-    /// The vehicles whose flight is over and whose motors stand.
-    fn down(&self) -> impl Iterator<Item = &str> {
-        let vehicles = self.vehicles.iter();
-        vehicles
-            .filter(|of| of.is_known_down())
-            .map(|of| of.of.vehicle)
-    }
-
-    /// How the flights of those ended, by id.
-    #[must_use]
-    pub fn ended(&self) -> BTreeMap<String, Ended> {
-        let vehicles = self.vehicles.iter().filter(|of| of.is_known_down());
-        let ended = vehicles.map(|of| {
-            let (end, t_s) = (of.flown.end.words().to_owned(), of.flown.until_s);
-            (of.of.vehicle.to_owned(), Ended { end, t_s })
-        });
-        ended.collect()
-    }
-
-    fn unrecorded_ends(&self) -> impl Iterator<Item = (&str, &Flown)> {
-        let vehicles = self.vehicles.iter();
-        let due = vehicles.filter(|of| !of.is_unheard() && !of.has_recorded_end());
-        due.map(|of| (of.of.vehicle, &of.flown))
-    }
-}
-
-/// The lines of the record for a line of `replan`. A threat counts from now on at the latest,
-/// whatever time it was given.
-fn replan_lines(
-    line: String,
-    fleet: &mut Fleet<'_>,
-    now: Time,
-    operator: &mut dyn Operator,
-) -> Vec<String> {
-    let t_s = fleet.t_s(now);
-    let (line, vehicle, text) = match serde_json::from_str(&line) {
-        Ok(Line::Threat {
-            t_s: given_s,
-            threat,
-        }) => {
-            let t_s = t_s.map_or(given_s, |now_s| given_s.min(now_s));
-            let text = format!("replan reports a threat, {}", threat.words());
-            fleet.heed_threat(threat.clone(), t_s);
-            (Line::Threat { t_s, threat }.text(), None, text)
-        }
-        Ok(Line::Plan {
-            t_s: given_s,
-            vehicle,
-            plan,
-        }) => {
-            fleet.heed_plan(now, &vehicle, (given_s, plan));
-            let text = "is sent another plan by replan".to_owned();
-            (line, Some(vehicle), text)
-        }
-        Ok(Line::Event { vehicle, event, .. }) => {
-            let event = Event::new(t_s, vehicle, event);
-            let _ = operator.event(&event);
-            return vec![Line::of_event(&event).text()];
-        }
-        _ => return vec![line],
-    };
-    let event = Event {
-        t_s,
-        vehicle,
-        text,
-        alarm: None,
-    };
-    // A screen that takes nothing is reported with the next event.
-    let _ = operator.event(&event);
-    vec![line, Line::of_event(&event).text()]
 }
