@@ -25,26 +25,26 @@ const LEAD_S: f64 = 1.0;
 /// What steers a wing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guidance {
-    law: Law,
-    bank_rad: f64,
+    pub(super) law: Law,
+    pub(super) bank_rad: f64,
     /// Share of a coordinated turn that turns the wing.
-    turning_share: f64,
+    pub(super) turning_share: f64,
     /// How long an error of bank lasts, seconds.
-    bank_lag_s: f64,
+    pub(super) bank_lag_s: f64,
     /// What the air moves with, m/s east and north; none in still air.
-    wind_mps: Option<[f64; 2]>,
+    pub(super) wind_mps: Option<[f64; 2]>,
 }
 
 /// The law of an autopilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Law {
+pub(super) enum Law {
     L1(L1),
     Npfg(Npfg),
 }
 
 /// That of `ArduPlane`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct L1 {
+pub(super) struct L1 {
     period_s: f64,
     damping: f64,
     /// `WP_RADIUS`, at sea level.

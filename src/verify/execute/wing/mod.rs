@@ -15,9 +15,9 @@
 //! (ArduPlane). As long as its height above the ground of the lift-off is less than twice `min_agl_m` with its
 //! buffer, half of that height must be clear; from there on it is a leg as any other.
 //!
-//! It is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
+//! A plane of PX4 is up to 28 s late from there on. Each is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
 //! the altitude at 0.2, and straight to the next place from there and from 0.1, 0.2 and 0.3 of what is left of the
-//! way. In wind each of these points is, of ArduPlane, anywhere up to as far downwind as the wind goes in 0.32 of the
+//! way. In wind each of these points is anywhere up to as far downwind as the wind goes in 0.32 (PX4: 0.1) of the
 //! time that `climb_mps` takes.
 //!
 //! **Glide.** Straight from the place before to the ground at the place of the item, which must be within 10 m of
@@ -32,7 +32,7 @@
 //! within the circle it flies straight out to the rim, from the middle north, and is anywhere within `r + 2 R` at
 //! the altitudes before and after.
 //!
-//! **On a circle.** The orbit. Rings from `r - 0.2 R` to `r + 0.75 R` (PX4: `r + 0.1 R`), or `1.2 r` of one that
+//! **On a circle.** The orbit. Rings from `r - 0.2 R` to `r + 0.75 R` (PX4: `r + 0.25 R`), or `1.2 r` of one that
 //! ArduPlane leaves if that is more: at the altitude of the circle, 6 m (PX4: 3 m) and what is left of a climb lower,
 //! as much and what is left of a descent higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
 //! circle that is not left towards a place further away than `r`, and any of PX4 that is left: a disc of `r + 2 R`.

@@ -111,3 +111,126 @@ impl Npfg {
         HEADING_GAIN * air_mps * error_rad.clamp(-FRAC_PI_2, FRAC_PI_2).sin()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::l1::{Guidance, Law};
+    use super::Npfg;
+    use crate::autopilot::{Airframe, Autopilot, Version, facts};
+    use crate::geodesy::EastNorth;
+    use crate::verify::execute::legs::Knot;
+    use crate::verify::measure::segment::Phase;
+
+    const V1_17: Version = Version {
+        major: 1,
+        minor: 17,
+    };
+
+    fn guidance() -> Guidance {
+        let behaviour = facts(Autopilot::Px4, Airframe::Plane).behaviour;
+        let npfg = Npfg {
+            time_s: 7.0,
+            switch_share: 0.32,
+            accept_m: 5.0,
+            early: false,
+        };
+        Guidance {
+            law: Law::Npfg(npfg),
+            bank_rad: (1.0_f64 / 1.2).acos(),
+            turning_share: behaviour.turning_share.value(None),
+            bank_lag_s: behaviour.bank_lag_s.value(None),
+            wind_mps: None,
+        }
+    }
+
+    fn knots(places: &[(f64, f64)]) -> Vec<Knot> {
+        let knot = |&(east_m, north_m): &(f64, f64)| Knot {
+            row: 1,
+            at: EastNorth { east_m, north_m },
+            amsl_m: 664.0,
+            agl_m: None,
+            speed_mps: 13.0,
+            speed_is_known: true,
+            phase: Phase::Route,
+            slope_from_m: None,
+            accept_m: 5.0,
+        };
+        places.iter().map(knot).collect()
+    }
+
+    /// Seed 814 of the campaign: places of its mission, and where 1.17 of January 2026 had its simulated plane in still air.
+    const PLACES: [(f64, f64); 7] = [
+        (0.0, 682.0),
+        (0.0, 726.0),
+        (-59.0, 727.0),
+        (-62.0, 523.0),
+        (-7.0, 518.0),
+        (0.0, 560.0),
+        (88.0, 1092.0),
+    ];
+    const FLOWN: [(f64, f64); 13] = [
+        (-9.0, 746.0),
+        (-31.0, 750.0),
+        (-61.0, 731.0),
+        (-79.0, 717.0),
+        (-81.0, 705.0),
+        (-67.0, 672.0),
+        (-60.0, 638.0),
+        (-58.0, 507.0),
+        (-37.0, 497.0),
+        (-15.0, 506.0),
+        (7.0, 517.0),
+        (16.0, 539.0),
+        (13.0, 551.0),
+    ];
+
+    #[test]
+    fn the_way_around_corners_is_the_flown_one_where_that_was_25_m_beside_the_legs() {
+        let fixes = guidance().follow(&knots(&PLACES), &[13.4; 6]);
+        let mut furthest_m = 0.0_f64;
+        for (east_m, north_m) in FLOWN {
+            let flown = EastNorth { east_m, north_m };
+            let off_m = fixes.iter().map(|fix| fix.at.distance_m(flown));
+            let off_m = off_m.fold(f64::INFINITY, f64::min);
+            assert!(off_m < 12.0, "{flown:?}: {off_m} m");
+            furthest_m = furthest_m.max(off_m);
+        }
+        // The planned speed is more than the flown one, so that the way of the verdict is the wider one.
+        assert!(furthest_m > 1.0, "{furthest_m}");
+        let aside_m = fixes
+            .iter()
+            .map(|fix| fix.cross_track_m)
+            .fold(0.0, f64::max);
+        assert!(aside_m > 25.0, "{aside_m}");
+    }
+
+    #[test]
+    fn a_later_version_may_turn_earlier_and_both_ways_are_judged() {
+        let count = |version| guidance().variants(version).count();
+        assert_eq!(count(None), 1);
+        assert_eq!(count(Some(V1_17)), 1);
+        let later = Version { minor: 18, ..V1_17 };
+        let ways: Vec<_> = guidance().variants(Some(later)).collect();
+        assert_eq!(ways.len(), 2);
+        let knots = knots(&[(0.0, 0.0), (600.0, 0.0), (600.0, 600.0)]);
+        let furthest_m = |way: &Guidance| {
+            let fixes = way.follow(&knots, &[13.4; 2]);
+            fixes.iter().map(|fix| fix.at.east_m).fold(0.0, f64::max)
+        };
+        let (late_m, early_m) = (furthest_m(&ways[0]), furthest_m(&ways[1]));
+        assert!(late_m > 625.0 && early_m < 615.0, "{late_m} {early_m}");
+    }
+
+    #[test]
+    fn a_straight_leg_is_flown_straight_in_the_wind_too() {
+        let windy = Guidance {
+            wind_mps: Some([3.0, -5.0]),
+            ..guidance()
+        };
+        let fixes = windy.follow(
+            &knots(&[(0.0, 0.0), (800.0, 300.0), (1600.0, 600.0)]),
+            &[12.0; 2],
+        );
+        assert!(fixes.iter().all(|fix| fix.cross_track_m < 0.5));
+    }
+}
