@@ -11,8 +11,8 @@ earth between geodetic places, and minima are found by sampling (tools/second).
 
 Compared are, in still air and in wind: of copters of both autopilots everything above; of planes and VTOLs of both
 everything but the separation, with the climb-outs and glides of planes against their own limit (`slope`), swings by the L1
-law, circles and regions; of pairs of PX4's wings the separation too. Not compared: the separation of wings of ArduPilot (how
-late and how far beside their legs they are) and of wings that leave a circle again, copters on splines and circles,
+law and by that of PX4, circles and regions; of pairs of PX4's wings that the verdict has them no further apart than their legs
+are. Not compared: the separation of wings of ArduPilot, and how much nearer PX4's come (how late and how far beside their legs they are) and of wings that leave a circle again, copters on splines and circles,
 vehicles that depart in the air, zones, area and fence.
 
 About half of the fleets have buffers, and each limit must be that of the spec with its buffer.
@@ -26,7 +26,7 @@ lies below it: every cell between samples was halved until the greatest slope or
 it proved that it holds nothing lower than found - 1 cm (of a separation, 0.1 per mille more).
 Both sides also get what the two models of the earth differ in: a straight line of the
 verdict's plane and a chord through the earth are centimetres apart, and so are their lengths;
-and, where a wing of ArduPilot swings, what it
+and, where a wing swings, what it
 flies in 0.1 s: both sides integrate the L1 law in steps of 0.05 s, this one by the midpoint, and may begin and
 end a turn a step apart; a step more for each leg in a row that is too short to end the turn before.
 Spec files are read as JSON, which is YAML.
@@ -166,6 +166,11 @@ class Comparison:
         level = None if self.vertical is None else self.vertical + margin.get("buffer", 0)
         measure, found, error, chords = separation(a, b, self.slack, level, 2 * CHORD_M + follow)
         reported = "gap" if margin["unit"] == "s" else "m" if margin["limit"] != level else "vertical"
+        if isinstance(a, WingFlight) or isinstance(b, WingFlight):
+            # What they swing off their legs, and lose there, only brings them nearer.
+            if measure == "gap" and reported != "gap":
+                return None
+            chords = math.inf
         if measure != reported:
             found = math.nan
         plane = sum(f.along(self.origin) + f.beside(self.origin) for f in (a, b))

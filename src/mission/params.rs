@@ -358,6 +358,10 @@ impl List<'_> {
             corner_cut_m(options),
             "a waypoint is reached within this: mission.tolerance_m",
         );
+        for name in ["NPFG_PERIOD", "NPFG_DAMPING", "NPFG_SW_DST_MLT"] {
+            let default = parameter(name).map_or(0.0, ParameterRow::default_si);
+            self.set(name, default, "the verdict judges corners with it");
+        }
         self.set(
             "NAV_FW_ALT_RAD",
             ANY_HEIGHT_M,

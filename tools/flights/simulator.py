@@ -70,7 +70,8 @@ def px4(binary, kind, folder, instance, at, wind, speedup, sysid=1):
     shutil.copytree(binary.parent.parent / "etc", folder / "etc", copy_function=shutil.copyfile)
     port = 14550 + 10 * instance
     lat, lon, amsl_m, _ = at
-    to_rad, speed_mps = math.radians(wind["from_deg"] + 180), wind["speed_mps"]
+    # Both parameters are of the wind from there: `_v_apparent_N = _v_N + _v_wind_N`.
+    from_rad, speed_mps = math.radians(wind["from_deg"]), wind["speed_mps"]
     own = {"PX4_SYS_AUTOSTART": PX4[kind], "PX4_SIMULATOR": "sihsim", "PX4_SIM_SPEED_FACTOR": speedup, "PX4_HOME_LAT": f"{lat:.7f}",
            "PX4_HOME_LON": f"{lon:.7f}", "PX4_HOME_ALT": amsl_m, "PX4_PARAM_MAV_SYS_ID": sysid}
     parameters = {}
@@ -78,7 +79,7 @@ def px4(binary, kind, folder, instance, at, wind, speedup, sysid=1):
         # Or it refuses a mission that ends in a circle.
         parameters["MIS_TKO_LAND_REQ"] = 0
     if speed_mps:
-        parameters |= {"SIH_WIND_N": round(speed_mps * math.cos(to_rad), 3), "SIH_WIND_E": round(speed_mps * math.sin(to_rad), 3)}
+        parameters |= {"SIH_WIND_N": round(speed_mps * math.cos(from_rad), 3), "SIH_WIND_E": round(speed_mps * math.sin(from_rad), 3)}
     # In a script: 1.17 has defaults of the airframe after it has read the environment. (Its system id is instance + 1.)
     script = "".join(f"param set {name} {value}\n" for name, value in parameters.items())
     (folder / "etc/init.d-posix/px4-rc.mavlink").write_text(script + PX4_LINK.format(own=18570 + instance, port=port))

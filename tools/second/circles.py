@@ -11,7 +11,8 @@ from .shapes import Height, Line, Point
 
 ORBIT_PIECES = 100  # of half an orbit in wind
 APART_M = 15.0  # lines that stand for a region
-WIDE_SHARE, INSIDE_SHARE, LEVEL_M, ALIGNED_REACH = 0.75, 0.2, 6.0, 1.2
+INSIDE_SHARE, ALIGNED_REACH = 0.2, 1.2
+WIDE_SHARE, LEVEL_M = {"ardupilot": 0.75, "px4": 0.25}, {"ardupilot": 6.0, "px4": 3.0}
 TRANSITION_M = {"ardupilot": 80.0, "px4": 45.0}
 DRIFT_S, DRIFT_SHARE, SIDES, LANDING_DRIFT_S = 21.0, 0.8, 12, 20.0
 ARRIVAL_DEG, ARRIVAL_LEGS = 10.0, 3
@@ -48,11 +49,11 @@ class Hull:
 class Circles:
     @property
     def level(self):
-        return LEVEL_M if self.ardupilot else 0.0
+        return LEVEL_M[self.vehicle["autopilot"]]
 
     @property
     def wide(self):
-        return WIDE_SHARE * self.turn_radius if self.ardupilot else 0.0
+        return WIDE_SHARE[self.vehicle["autopilot"]] * self.turn_radius
 
     def enter(self, at, amsl, radius):
         """To the rim along the tangent, or somewhere between that and the line to the middle."""
@@ -71,10 +72,9 @@ class Circles:
         self.legs(self.speed)
         for out in [last, *(self.knot_off(last, at, middle, amsl) for at in turned)]:
             self.lay(self.flat(out), middle, out.amsl, amsl)
-            if self.ardupilot:
-                off = self.level + abs(self.left_of_climb(out, middle, amsl, 0.0))
-                for up in (-off, off):
-                    self.lay(self.flat(out), middle, out.amsl + up, amsl + up)
+            off = self.level + abs(self.left_of_climb(out, middle, amsl, 0.0))
+            for up in (-off, off):
+                self.lay(self.flat(out), middle, out.amsl + up, amsl + up)
         if inside:
             for motion in self.motions[first:]:
                 motion.wide = max(motion.wide, rim + 2 * self.turn_radius)
@@ -83,9 +83,9 @@ class Circles:
         return last, middle, edge
 
     def turned_off(self, to):
-        """Places beside the leg to a place from which ArduPlane, once it has turned, flies straight there."""
+        """Places beside the leg to a place from which ArduPlane, once it has turned, flies straight there; PX4 may."""
         last = self.knots[-1]
-        if not self.ardupilot or len(self.knots) < 2 or math.hypot(*(to - self.flat(last))) <= SAME_M:
+        if len(self.knots) < 2 or math.hypot(*(to - self.flat(last))) <= SAME_M:
             return []
         knots = [*self.knots, type(last)(self.plane.place(to), last.amsl, None, last.speed)]
         flat = [self.flat(knot) for knot in knots]
@@ -141,8 +141,7 @@ class Circles:
         last, middle, edge = self.enter(at, amsl, radius)
         self.orbit(middle, edge, radius, amsl)
         rim = abs(radius)
-        if self.ardupilot:
-            self.rings(middle, amsl, rim, self.wide, self.left_of_climb(last, middle, amsl, rim))
+        self.rings(middle, amsl, rim, self.wide, self.left_of_climb(last, middle, amsl, rim))
         point = Point(self.plane.place(middle), Height(False, amsl, amsl))
         self.judged.append(point)
         self.add(point, (0, 0), (0, 0), math.inf, (0.0, 0.0), rim + self.wide)
@@ -194,7 +193,7 @@ class Circles:
         inner = max(rim - INSIDE_SHARE * self.turn_radius, 0.0)
         across = rim + wide - inner
         count = parts(across)
-        for up in (0.0, -LEVEL_M - max(late, 0.0), LEVEL_M - min(late, 0.0)):
+        for up in (0.0, -self.level - max(late, 0.0), self.level - min(late, 0.0)):
             for ring in range(count + 1):
                 radius = inner + across * ring / count
                 sides = parts(2 * math.pi * radius, 12)
@@ -264,7 +263,7 @@ class Circles:
             self.lay(abeam, q, height.start, height.end, None, height.follows)
 
     def arrivals(self, hull, leg, flat, knots, heights, cruise):
-        """The ways of the L1 law that come to the end of the leg from either side of the hull."""
+        """The ways of the law that come to the end of the leg from either side of the hull."""
         place, on = flat[leg + 1], leg + 1
         off = place - hull.middle
         away, toward = max(math.hypot(*off), 1.0), math.atan2(*off)

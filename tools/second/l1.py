@@ -1,5 +1,5 @@
-"""The L1 law of ArduPlane (AP_L1_Control::update_waypoint, Plane::verify_nav_wp) and a wing that banks late and slips,
-by the text of src/verify/execute/wing/mod.rs: integrated as differential equations, not in the steps of the verdict."""
+"""The L1 law of ArduPlane (AP_L1_Control::update_waypoint, Plane::verify_nav_wp), the law of PX4
+(DirectionalGuidance::guideToPath), and a wing that banks late and slips, by the text of src/verify/execute/wing/mod.rs: integrated as differential equations, not in the steps of the verdict."""
 
 import math
 
@@ -41,6 +41,8 @@ class Leg:
 
 
 class Law:
+    turning_share = TURNING_SHARE
+
     def __init__(self, params, load_factor):
         self.period, self.damping = params.get("NAVL1_PERIOD", 17.0), params.get("NAVL1_DAMPING", 0.75)
         self.radius = params.get("WP_RADIUS", 90.0)
@@ -70,7 +72,7 @@ class Law:
         gathers = INTEGRAL_GAIN * nu1 if abs(nu1) < INTEGRAL_WITHIN_RAD else 0.0
         if abs(integral) >= INTEGRAL_RAD and gathers * integral > 0:
             gathers = 0.0
-        return east, north, -TURNING_SHARE * G * math.tan(bank) / air, (asked - bank) / BANK_LAG_S, gathers
+        return east, north, -self.turning_share * G * math.tan(bank) / air, (asked - bank) / BANK_LAG_S, gathers
 
     def follow(self, flat, amsl, speeds, wind, judged=JUDGED_S):
         """The way along legs from the first place on the course of the first leg, half a second or so at a time:
@@ -124,3 +126,38 @@ class Law:
                     way.append((np.array(since), np.array(here), i, aside))
                     since, aside, steps = here, 0.0, 0
         return way
+
+
+class Px4Law(Law):
+    turning_share = 0.95
+
+    def __init__(self, params, load_factor):
+        self.time = params.get("NPFG_PERIOD", 10.0) * params.get("NPFG_DAMPING", 0.7)
+        self.switch, self.accept = params.get("NPFG_SW_DST_MLT", 0.32), params.get("NAV_ACC_RAD", 10.0)
+        limit = params.get("FW_R_LIM")
+        self.limit = math.acos(1 / load_factor) if limit is None else math.radians(limit)
+
+    def ahead(self, speed):
+        return self.time * max(speed, 1.0)
+
+    def before(self, turn, speed, amsl):
+        return self.accept
+
+    def rates(self, state, leg, air, wind):
+        _, _, heading, bank, _ = state
+        east, north = air * math.sin(heading) + wind[0], air * math.cos(heading) + wind[1]
+        bound = self.ahead(math.hypot(east, north))
+        along, right = leg.off(state[0], state[1])
+        off = math.hypot(along, right)
+        if along < 0 and off > self.switch * bound:
+            course = math.atan2(leg.a[0] - state[0], leg.a[1] - state[1])
+        else:
+            share = min(abs(right) / bound, 1.0)
+            course = leg.course - math.copysign(math.pi / 2 * (1 - (1 - share) ** 2), right)
+        # The wind from the right of the course turns the heading to the right of it.
+        from_right = -(wind[0] * math.cos(course) - wind[1] * math.sin(course))
+        asked = course + math.asin(min(max(from_right / air, -1.0), 1.0))
+        error = (asked - heading + math.pi) % (2 * math.pi) - math.pi
+        across = 0.8885 * air * math.sin(min(max(error, -math.pi / 2), math.pi / 2))
+        roll = min(max(math.atan(across / G), -self.limit), self.limit)
+        return east, north, self.turning_share * G * math.tan(bank) / air, (roll - bank) / BANK_LAG_S, 0.0

@@ -8,16 +8,18 @@ import numpy as np
 from .circles import Circles, parts
 from .earth import A, E2, axes, distance, ecef, geodetic
 from .flight import DELAY, G, HOLD, LAND, RETURN, SAME_M, SPEED, STAY, STOP_LATE, TAKEOFF, TO_ALT, WAYPOINT, Flight, Knot
-from .l1 import STEP_S, WAY_M, Law, air_ratio
+from .l1 import STEP_S, WAY_M, Law, Px4Law, air_ratio
 from .shapes import Arc, Height, Line
 
 TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
 # From so far on PX4 turns the nose of a VTOL to the place of its takeoff, metres.
 LEAST_AHEAD = 20.0
 ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
+PX4_CLIMB_LATE_S = 28.0
 OFF_M = 0.01  # less than this is no offset
 SMALL_CLIMB_M = 15.0
-CLIMB_OUT_SHARE, OVERSHOOT_M, LATER_SHARE, CARRIED_SHARE = 0.2, 14.0, 0.3, 0.32
+CLIMB_OUT_SHARE, OVERSHOOT_M, LATER_SHARE = 0.2, 14.0, 0.3
+CARRIED_SHARE = {"ardupilot": 0.32, "px4": 0.1}
 
 
 def read_params(path):
@@ -85,7 +87,7 @@ class WingFlight(Circles, Flight):
         self.lag = ARDUPILOT_LAG_S if ardupilot else PX4_LAG_S
         small = params.get("ALT_SLOPE_MIN", params.get("GLIDE_SLOPE_MIN", SMALL_CLIMB_M))
         self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
-        self.law = Law(params, n) if ardupilot else None
+        self.law = Law(params, n) if ardupilot else Px4Law(params, n)
         self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
         super().__init__(vehicle, items, ground, 0.0)
 
@@ -172,22 +174,22 @@ class WingFlight(Circles, Flight):
         self.knots, self.moving = [WingKnot(place, ground)], speed
         last = WingKnot(self.plane.place(top), amsl, None, speed, takeoff=True)
         self.knots += self.in_two(self.knots[0], last, ground)
-        if self.ardupilot:
-            early = off + CLIMB_OUT_SHARE * (top - off)
-            self.lay(early, top, amsl + OVERSHOOT_M, amsl + OVERSHOOT_M)
-            carried = self.carried((amsl - ground) / self.vehicle["climb_mps"])
-            for off in carried[1:]:
-                there = self.plane.place(early + off)
-                steep = [self.knots[0], *self.in_two(self.knots[0], replace(last, at=there), ground)]
-                for a, b in zip(steep, steep[1:]):
-                    self.lay(self.flat(a), self.flat(b), a.amsl, b.amsl, b.slope_from)
-            self.early_top = early, top, amsl, carried
+        early = off + CLIMB_OUT_SHARE * (top - off)
+        self.lay(early, top, amsl + OVERSHOOT_M, amsl + OVERSHOOT_M)
+        carried = self.carried((amsl - ground) / self.vehicle["climb_mps"])
+        for off in carried[1:]:
+            there = self.plane.place(early + off)
+            steep = [self.knots[0], *self.in_two(self.knots[0], replace(last, at=there), ground)]
+            for a, b in zip(steep, steep[1:]):
+                self.lay(self.flat(a), self.flat(b), a.amsl, b.amsl, b.slope_from)
+        self.early_top = early, top, amsl, carried
+        self.late += 0.0 if self.ardupilot else PX4_CLIMB_LATE_S
 
     def carried(self, lasts):
         """How far off the wind may carry a climb-out: it holds its heading."""
         if not self.wind:
             return [np.zeros(2)] * 2
-        far = CARRIED_SHARE * lasts * self.wind["speed_mps"]
+        far = CARRIED_SHARE[self.vehicle["autopilot"]] * lasts * self.wind["speed_mps"]
         off = ahead(np.zeros(2), math.radians(self.wind["from_deg"]) + math.pi, far)
         count = parts(far)
         return [off * k / count for k in range(count + 1)]
@@ -264,7 +266,7 @@ class WingFlight(Circles, Flight):
         lengths = [leg.length for leg in legs]
         cruise = [self.over_ground(b.speed, (a.amsl + b.amsl) / 2, course(p, q))
                   for a, b, p, q in zip(knots, knots[1:], flat, flat[1:])]
-        if self.ardupilot and len(knots) > 2:
+        if len(knots) > 2:
             self.steep = max([self.steep] + [abs(leg.height.end - leg.height.start) / leg.length for leg in legs])
             self.note_short([leg.length < self.law.ahead(v) for leg, v in zip(legs, cruise)])
         half, taken = self.corners(knots, legs)
@@ -287,11 +289,10 @@ class WingFlight(Circles, Flight):
                 self.judged.append(line_between(ends, leg.length, height))
         if not self.ardupilot:
             self.early(knots, legs)
-        else:
-            self.leave_early(knots)
-            if len(knots) > 2:
-                fixes = self.law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)
-                self.lay_way(flat, knots, heights, fixes)
+        self.leave_early(knots)
+        if len(knots) > 2:
+            fixes = self.law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)
+            self.lay_way(flat, knots, heights, fixes)
         self.leave_hull(flat, knots, heights, cruise, [*firsts, len(self.motions)])
         self.late += 0.0 if last_speed > 0 else STOP_LATE
 
@@ -395,7 +396,7 @@ class WingFlight(Circles, Flight):
             self.judged.append(Line(there, b.at, Height(False, b.amsl, b.amsl)))
 
     def lay_way(self, flat, knots, heights, way):
-        """The way of the L1 law, each half second of it at the altitudes of the leg that it follows at its end."""
+        """The way of the law, each half second of it at the altitudes of the leg that it follows at its end."""
         for (a, b, leg, aside) in way:
             if aside < WAY_M:
                 continue

@@ -174,7 +174,10 @@ def end(rng, vehicle, rows, at, course, ground):
 def write_params(rng, path, vehicle):
     radius = vehicle["loiter_radius_m"]
     if vehicle["autopilot"] == "px4":
+        some = {"NPFG_PERIOD": round(rng.uniform(8, 14), 1), "NPFG_DAMPING": round(rng.uniform(0.6, 0.9), 2),
+                "NAV_ACC_RAD": float(rng.integers(2, 40)), "FW_R_LIM": float(rng.integers(30, 50))}
         rows = [f"1\t1\tNAV_LOITER_RAD\t{radius}\t9"]
+        rows += [f"1\t1\t{name}\t{value:g}\t9" for name, value in some.items() if rng.random() < 0.5]
     else:
         some = {"NAVL1_PERIOD": round(rng.uniform(14, 22), 1), "NAVL1_DAMPING": round(rng.uniform(0.7, 0.85), 2),
                 "WP_RADIUS": float(rng.integers(20, 100)), "ROLL_LIMIT_DEG": float(rng.integers(30, 50)),

@@ -189,8 +189,12 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          {quadplane.landing_drift_s} of the wind; into the wind and across it keeps within 8 m of its place: landing.heading_deg in the spec has it come into the wind",
     ),
     (
-        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.carried_by().is_some(),
-        "wings of PX4 were not flown in wind: that they keep to their legs in it as ArduPlane does, and their VTOLs to the columns of takeoff and landing, is assumed",
+        |s| {
+            s.mission.autopilot == Autopilot::Px4
+                && s.vehicle.airframe == Airframe::Vtol
+                && s.vehicle.carried_by().is_some()
+        },
+        "VTOLs of PX4 were flown in 4 m/s of wind alone: that they keep to the columns of takeoff and landing in it is assumed",
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
@@ -214,7 +218,13 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
-        "a wing of PX4 keeps to its legs and arcs: what it swings out of corners was not measured and is not judged",
+        "a wing of PX4 takes its next leg within NAV_ACC_RAD of a waypoint or abeam of it (1.17; since 1.18 within NPFG_SW_DST_MLT of its track error bound, judged as well), and swings out of corners: it is judged along the way of its NPFG law too, \
+         with NPFG_PERIOD and NPFG_DAMPING (default {NPFG_PERIOD} and {NPFG_DAMPING}) and FW_R_LIM, at {px4_plane.turning_share} of a coordinated turn, and separation counts with what that way is beside the legs \
+         (1.17 of January 2026, simulated, 11 to 13 m/s, 0 to 6 m/s of wind: within 12 m of that way where it was up to 44 m beside what was judged without it)",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Plane,
+        "a plane of PX4 has its planned speed only some time after its climb-out and is up to {px4_plane.climb_late_s} late from there on, each as much as it is (1.17 of January 2026, simulated, 22 flights: 8.6 to 25.7 s)",
     ),
     (
         |s| s.flight.landing.is_some(),
@@ -344,6 +354,8 @@ mod tests {
             "with 0.8 of the wind and 21 s of it more",
             "is 3.5 s of its climb",
             "default 17 and 0.75",
+            "default 10 and 0.7",
+            "at 0.95 of a coordinated turn",
             "at 0.7 of a coordinated turn",
         ] {
             assert!(

@@ -1,14 +1,16 @@
 //! The way that ArduPlane flies around corners: its L1 law (Park, Deyst and How, "A New Nonlinear
 //! Guidance Logic for Trajectory Tracking", 2004, with a period and a damping) aims at a point
-//! ahead on the leg, and the wing banks late and slips. It overshoots corners.
+//! ahead on the leg, and the wing banks late and slips. It overshoots corners. PX4 has [`super::npfg`] in its place.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
 
+use crate::autopilot::{Autopilot, Version};
 use crate::geodesy::{Amsl, EastNorth, true_airspeed_ratio};
 use crate::mission::VehicleMission;
 use crate::spec::{GRAVITY_MPS2, Vehicle};
 
 use super::line::Line;
+use super::npfg::Npfg;
 use crate::verify::execute::legs::Knot;
 
 const INTEGRAL_GAIN: f64 = 0.02;
@@ -20,20 +22,33 @@ pub(crate) const STEP_S: f64 = 0.05;
 /// A way that comes to a place along a line is looked at from this long before its turn there, seconds.
 const LEAD_S: f64 = 1.0;
 
-/// What steers a wing of ArduPilot.
+/// What steers a wing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guidance {
+    pub(super) law: Law,
+    pub(super) bank_rad: f64,
+    /// Share of a coordinated turn that turns the wing.
+    pub(super) turning_share: f64,
+    /// How long an error of bank lasts, seconds.
+    pub(super) bank_lag_s: f64,
+    /// What the air moves with, m/s east and north; none in still air.
+    pub(super) wind_mps: Option<[f64; 2]>,
+}
+
+/// The law of an autopilot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Law {
+    L1(L1),
+    Npfg(Npfg),
+}
+
+/// That of `ArduPlane`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct L1 {
     period_s: f64,
     damping: f64,
     /// `WP_RADIUS`, at sea level.
     wp_radius_m: f64,
-    bank_rad: f64,
-    /// Share of a coordinated turn that turns the wing.
-    turning_share: f64,
-    /// How long an error of bank lasts, seconds.
-    bank_lag_s: f64,
-    /// What the air moves with, m/s east and north; none in still air.
-    wind_mps: Option<[f64; 2]>,
 }
 
 /// A place on the way, and the leg that it is flown to follow.
@@ -60,23 +75,35 @@ struct Wing {
 }
 
 impl Guidance {
-    /// The guidance of a mission's vehicle; only a wing of ArduPilot has one.
+    /// The guidance of a mission's vehicle; only a wing has one.
     pub(crate) fn of(vehicle: &Vehicle, mission: &VehicleMission) -> Option<Self> {
         let facts = mission.facts();
         let version = mission.autopilot_version;
         let turning_share = facts.behaviour.turning_share.of(version)?.value;
         let held = |name: &str| mission.param_si(name).filter(|value| *value > 0.0);
-        let value = |name: &str| Some(held(name).unwrap_or(facts.parameter(name)?.default_si()));
+        let (law, bank) = match mission.autopilot {
+            Autopilot::ArduPilot => (Law::L1(L1::of(mission)?), "ROLL_LIMIT_DEG"),
+            Autopilot::Px4 => (Law::Npfg(Npfg::of(mission)?), "FW_R_LIM"),
+        };
         let planned_rad = (1.0 / vehicle.max_load_factor).acos();
         Some(Self {
-            period_s: value("NAVL1_PERIOD")?,
-            damping: value("NAVL1_DAMPING")?,
-            wp_radius_m: value("WP_RADIUS")?,
-            bank_rad: held("ROLL_LIMIT_DEG").map_or(planned_rad, f64::to_radians),
+            law,
+            bank_rad: held(bank).map_or(planned_rad, f64::to_radians),
             turning_share,
             bank_lag_s: facts.behaviour.bank_lag_s.value(version),
             wind_mps: vehicle.carried_by().map(|wind| wind.velocity_mps()),
         })
+    }
+
+    /// The ways in which a version may take the next leg, each to be judged.
+    pub(crate) fn variants(self, version: Option<Version>) -> impl Iterator<Item = Self> {
+        let laws = match self.law {
+            Law::L1(_) => [Some(self.law), None],
+            Law::Npfg(npfg) => npfg.variants(version).map(|law| law.map(Law::Npfg)),
+        };
+        laws.into_iter()
+            .flatten()
+            .map(move |law| Self { law, ..self })
     }
 
     /// The motion through the air, m/s, of a wing that makes a ground speed along a line.
@@ -108,15 +135,12 @@ impl Guidance {
         (ground.map(|part| part / speed_mps), speed_mps)
     }
 
-    fn ahead_m(&self, speed_mps: f64) -> f64 {
-        FRAC_1_PI * self.damping * self.period_s * speed_mps
-    }
-
     /// So far before a waypoint the next leg is turned onto.
     fn turn_distance_m(&self, turn_rad: f64, speed_mps: f64, at: Amsl) -> f64 {
-        let ratio = true_airspeed_ratio(at);
-        let widest_m = (self.wp_radius_m * ratio * ratio).min(self.ahead_m(speed_mps));
-        widest_m * (turn_rad.abs() / FRAC_PI_2).min(1.0)
+        match self.law {
+            Law::L1(law) => law.turn_distance_m(turn_rad, speed_mps, at),
+            Law::Npfg(law) => law.turn_distance_m(speed_mps),
+        }
     }
 
     /// The way along knots, begun at the first on the course of its leg, at a speed over the
@@ -245,23 +269,59 @@ fn lines(knots: &[Knot]) -> Vec<Line> {
         .collect()
 }
 
-impl Wing {
-    /// One step along a leg, at a speed through the air, with the share of an error of bank that a step corrects.
-    fn step(&mut self, guidance: &Guidance, line: &Line, (air_mps, bank_share): (f64, f64)) {
-        let (velocity, speed_mps) = self.motion;
-        let ahead_m = guidance.ahead_m(speed_mps);
-        let aside = line.right(line.gone(self.at)) / ahead_m;
+impl L1 {
+    /// Of a mission; none where the autopilot has no such parameters.
+    fn of(mission: &VehicleMission) -> Option<Self> {
+        let held = |name: &str| mission.param_si(name).filter(|value| *value > 0.0);
+        let facts = mission.facts();
+        let value = |name: &str| Some(held(name).unwrap_or(facts.parameter(name)?.default_si()));
+        Some(Self {
+            period_s: value("NAVL1_PERIOD")?,
+            damping: value("NAVL1_DAMPING")?,
+            wp_radius_m: value("WP_RADIUS")?,
+        })
+    }
+
+    fn ahead_m(&self, speed_mps: f64) -> f64 {
+        FRAC_1_PI * self.damping * self.period_s * speed_mps
+    }
+
+    fn turn_distance_m(&self, turn_rad: f64, speed_mps: f64, at: Amsl) -> f64 {
+        let ratio = true_airspeed_ratio(at);
+        let widest_m = (self.wp_radius_m * ratio * ratio).min(self.ahead_m(speed_mps));
+        widest_m * (turn_rad.abs() / FRAC_PI_2).min(1.0)
+    }
+
+    /// The acceleration across that the law asks of a wing on a leg, m/s^2, to the left.
+    fn demand_mps2(&self, wing: &mut Wing, line: &Line) -> f64 {
+        let (velocity, speed_mps) = wing.motion;
+        let ahead_m = self.ahead_m(speed_mps);
+        let aside = line.right(line.gone(wing.at)) / ahead_m;
         let mut to_leg_rad = aside.clamp(-FRAC_1_SQRT_2, FRAC_1_SQRT_2).asin();
         if to_leg_rad.abs() < INTEGRAL_WITHIN_RAD {
-            let sum = self.integral_rad + to_leg_rad * INTEGRAL_GAIN * STEP_S;
-            self.integral_rad = sum.clamp(-INTEGRAL_RAD, INTEGRAL_RAD);
+            let sum = wing.integral_rad + to_leg_rad * INTEGRAL_GAIN * STEP_S;
+            wing.integral_rad = sum.clamp(-INTEGRAL_RAD, INTEGRAL_RAD);
         }
-        to_leg_rad += self.integral_rad;
+        to_leg_rad += wing.integral_rad;
         let off_rad = line.right(velocity).atan2(line.ahead(velocity));
         let angle_rad = (to_leg_rad + off_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
         // To the left where the leg is to the left.
-        let gain = 4.0 * guidance.damping * guidance.damping;
-        let demand_mps2 = gain * speed_mps * speed_mps / ahead_m * angle_rad.sin();
+        let gain = 4.0 * self.damping * self.damping;
+        gain * speed_mps * speed_mps / ahead_m * angle_rad.sin()
+    }
+}
+
+impl Wing {
+    /// One step along a leg, at a speed through the air, with the share of an error of bank that a step corrects.
+    fn step(&mut self, guidance: &Guidance, line: &Line, (air_mps, bank_share): (f64, f64)) {
+        let demand_mps2 = match guidance.law {
+            Law::L1(law) => law.demand_mps2(self, line),
+            Law::Npfg(law) => law.demand_mps2(
+                (line, self.at),
+                (self.heading_rad, air_mps, self.motion.1),
+                guidance.wind_mps.unwrap_or_default(),
+            ),
+        };
         let demand_rad = (demand_mps2 / GRAVITY_MPS2).atan();
         let demand_rad = demand_rad.clamp(-guidance.bank_rad, guidance.bank_rad);
         self.bank_rad += (demand_rad - self.bank_rad) * bank_share;
@@ -284,9 +344,11 @@ mod tests {
     fn guidance(bank_deg: f64, wp_radius_m: f64) -> Guidance {
         let behaviour = facts(Autopilot::ArduPilot, Airframe::Plane).behaviour;
         Guidance {
-            period_s: 17.0,
-            damping: 0.75,
-            wp_radius_m,
+            law: Law::L1(L1 {
+                period_s: 17.0,
+                damping: 0.75,
+                wp_radius_m,
+            }),
             bank_rad: bank_deg.to_radians(),
             turning_share: behaviour.turning_share.value(None),
             bank_lag_s: behaviour.bank_lag_s.value(None),

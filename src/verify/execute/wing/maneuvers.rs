@@ -86,11 +86,13 @@ impl Pilot<'_> {
         let top = self.own_speed(self.knot(row, climb.top.at, top_m, None));
         self.knots.extend(self.in_two(&first, top, ground_m));
         self.steep_climb(&first, &top);
+        let behaviour = &self.vehicle.facts().behaviour;
+        self.trajectory.late_s += (behaviour.climb_late_s).value(self.vehicle.autopilot_version);
         self.phase = Phase::Route;
         Ok(())
     }
 
-    /// ArduPlane climbs out more steeply, goes over the height that it climbs to, and on to the
+    /// A plane climbs out more steeply, goes over the height that it climbs to, and on to the
     /// next place from where it first has it.
     fn steep_climb(&mut self, lift_off: &Knot, top: &Knot) {
         if self.guidance.is_none() {

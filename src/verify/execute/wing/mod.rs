@@ -15,19 +15,19 @@
 //! (ArduPlane). As long as its height above the ground of the lift-off is less than twice `min_agl_m` with its
 //! buffer, half of that height must be clear; from there on it is a leg as any other.
 //!
-//! ArduPlane is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
+//! A plane of PX4 is up to 28 s late from there on. Each is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
 //! the altitude at 0.2, and straight to the next place from there and from 0.1, 0.2 and 0.3 of what is left of the
-//! way. In wind each of these points is anywhere up to as far downwind as the wind goes in 0.32 of the time that
-//! `climb_mps` takes.
+//! way. In wind each of these points is anywhere up to as far downwind as the wind goes in 0.32 (PX4: 0.1) of the
+//! time that `climb_mps` takes.
 //!
 //! **Glide.** Straight from the place before to the ground at the place of the item, which must be within 10 m of
 //! its altitude. Its last part is judged as the first of a climb-out.
 //!
 //! **Onto a circle.** Along the tangent, clockwise where the radius `r` is positive, with the altitude of the
-//! circle at its end; in space as well straight to the middle, of ArduPlane also 6 m, and what is left of the
+//! circle at its end; in space as well straight to the middle, also 6 m (PX4: 3 m), and what is left of the
 //! climb, above and below the two ends of that line. Of a climb of `c` to a middle at a distance `d` is left `c r /
-//! d`, on the line 0, and the lag of `c` in the time that `speed_mps` takes for `d`, of `climb_mps` at most. ArduPlane
-//! does not follow a leg to a circle: the same lines lead to the middle from each place of its L1 way that is more than
+//! d`, on the line 0, and the lag of `c` in the time that `speed_mps` takes for `d`, of `climb_mps` at most.
+//! ArduPlane does not follow a leg to a circle, and PX4 may swing off it: the same lines lead to the middle from each place of its way that is more than
 //! 0.5 m beside that leg, at the altitude of the leg abeam; and of a return that climbs level ones at both altitudes. From
 //! within the circle it flies straight out to the rim, from the middle north, and is anywhere within `r + 2 R` at
 //! the altitudes before and after.
@@ -37,13 +37,13 @@
 //! `r0 = v^2 / g tan b` at the indicated airspeed no wider than stated, it is the stated one, or `r0` times that square if
 //! that is more (`AP_L1_Control::loiter_radius`).
 //!
-//! **On a circle.** The orbit. Of ArduPlane rings from `r - 0.2 R` to `r + 0.75 R`, or `1.2 r` of one that it
-//! leaves if that is more: at the altitude of the circle, 6 m and what is left of a climb lower, 6 m and what is
-//! left of a descent higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
+//! **On a circle.** The orbit. Rings from `r - 0.2 R` to `r + 0.75 R` (PX4: `r + 0.25 R`), or `1.2 r` of one that
+//! ArduPlane leaves if that is more: at the altitude of the circle, 6 m (PX4: 3 m) and what is left of a climb lower,
+//! as much and what is left of a descent higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
 //! circle that is not left towards a place further away than `r`, and any of PX4 that is left: a disc of `r + 2 R`.
 //!
 //! **Off a circle or a climb on rotors.** From the rim of the region straight to the next place, from the altitude
-//! there; level, 6 m higher of ArduPlane, where the place is lower; and at the altitudes of the leg from the
+//! there; level, 6 m higher (PX4: 3 m), where the place is lower; and at the altitudes of the leg from the
 //! middle, at each place by how far along it that is. So on legs after it that begin in the region.
 //!
 //! **The L1 law** (`AP_L1_Control::update_waypoint`, `Plane::verify_nav_wp`). With the period `T` (`NAVL1_PERIOD`,
@@ -61,7 +61,17 @@
 //! Steps are 0.05 s. Each half second in which it is 0.5 m off its leg and the one before is judged as a straight
 //! line, at the altitudes of the leg at its end, by how far along that it is.
 //!
-//! **Arrivals.** After the climb of a QuadPlane these are judged as well for the three legs after the last one that
+//! **The law of PX4** (`DirectionalGuidance::guideToPath`, `AirspeedDirectionController`). With `t = NPFG_PERIOD *
+//! NPFG_DAMPING` (10 s, 0.7) and `v` over the ground, 1 m/s at least, `b = t v`. At a distance `e` from the line of the
+//! leg, with `s = min(e / b, 1)`, the course is turned from the leg towards it by 90 degrees less `90 (1 - s)^2`. Before
+//! the beginning of the leg, and further than `NPFG_SW_DST_MLT b` (0.32) from it, it is that to the beginning. The
+//! heading that makes this course in the wind at the speed through the air `a` is turned to by `0.8885 a sin(error)`, an
+//! error of 90 degrees at most, by a bank of `FW_R_LIM` at most, or else that of the load factor. The bank follows within
+//! 0.5 s, and 0.95 of what it gives turns the wing. It takes the next leg abeam of the end of one, or within
+//! `NAV_ACC_RAD` (10 m) of that; from version 1.18 on a second way is judged that takes it within `NPFG_SW_DST_MLT b` of the
+//! speed of the leg, if that is more. The rest is as under the L1 law, without an integral.
+//!
+//! **Arrivals.** After the climb of a QuadPlane, or a VTOL of PX4 on any course, these are judged as well for the three legs after the last one that
 //! begins in the region, for a wing that comes to their first place straight through the region, on courses up to
 //! 10 degrees apart from tangent to tangent.
 //!
@@ -77,4 +87,5 @@ pub(crate) mod l1;
 pub(crate) mod line;
 pub(crate) mod loiter;
 pub(crate) mod maneuvers;
+mod npfg;
 pub(crate) mod overshoot;

@@ -1,4 +1,4 @@
-//! Paths of ArduPlane off its legs: it overshoots corners, and climbs out early.
+//! Paths of wings off their legs: they overshoot corners, and climb out early.
 
 use std::f64::consts::PI;
 
@@ -33,7 +33,7 @@ const LATER_STEPS: u8 = 3;
 const ARRIVAL_RAD: f64 = 10.0 * PI / 180.0;
 
 impl Pilot<'_> {
-    /// Lays the path that a wing of ArduPilot flies off its legs, to be judged in space. For the
+    /// Lays the path that a wing flies off its legs, to be judged in space. For the
     /// separation, widens the chords of the legs by its distance and adds the time it takes longer.
     pub(crate) fn lay_overshoot(
         &mut self,
@@ -48,10 +48,17 @@ impl Pilot<'_> {
         if knots.len() < 3 {
             return Ok(());
         }
-        let fixes = guidance.follow(knots, grounds_mps);
-        self.widen(knots, firsts, &fixes);
-        let lines = self.leg_lines(knots, firsts)?;
-        self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)
+        let (before_s, mut late_s) = (self.trajectory.late_s, 0.0_f64);
+        for guidance in guidance.variants(self.vehicle.autopilot_version) {
+            self.trajectory.late_s = before_s;
+            let fixes = guidance.follow(knots, grounds_mps);
+            self.widen(knots, firsts, &fixes);
+            late_s = late_s.max(self.trajectory.late_s);
+            let lines = self.leg_lines(knots, firsts)?;
+            self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)?;
+        }
+        self.trajectory.late_s = late_s;
+        Ok(())
     }
 
     /// Lays the way on from a place within a hull or at its end, to be judged in space, for a wing that comes
@@ -79,27 +86,34 @@ impl Pilot<'_> {
         for step in -steps..=steps {
             let off_rad = most_rad * f64::from(step) / f64::from(steps);
             let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
-            let fixes = guidance.arrive(
-                (Line::new(from, place.at), turn_rad),
-                &knots[on..=end],
-                &grounds_mps[on..end],
-            );
-            for fix in &fixes {
-                let first = firsts[on + fix.leg];
-                let next = firsts.get(on + fix.leg + 1).copied();
-                let next = next.unwrap_or(self.trajectory.chords.len());
-                for chord in &mut self.trajectory.chords[first.min(next)..next] {
-                    if chord.flown {
-                        chord.wide_m = chord.wide_m.max(fix.cross_track_m);
-                    }
-                }
+            for guidance in guidance.variants(self.vehicle.autopilot_version) {
+                let fixes = guidance.arrive(
+                    (Line::new(from, place.at), turn_rad),
+                    &knots[on..=end],
+                    &grounds_mps[on..end],
+                );
+                self.widen_by(&firsts[on..], &fixes);
+                self.lay_way(&knots[on..=end], (&lines[on..end], &times[on..end]), &fixes)?;
             }
-            self.lay_way(&knots[on..=end], (&lines[on..end], &times[on..end]), &fixes)?;
         }
         Ok(())
     }
 
-    /// Places off its leg at which a wing of ArduPilot may be once it has turned towards a place: to a circle it
+    /// Widens the chords of legs, whose first ones are given, by the distance of a way from them.
+    fn widen_by(&mut self, firsts: &[usize], fixes: &[Fix]) {
+        for fix in fixes {
+            let first = firsts[fix.leg];
+            let next = firsts.get(fix.leg + 1).copied();
+            let next = next.unwrap_or(self.trajectory.chords.len());
+            for chord in &mut self.trajectory.chords[first.min(next)..next] {
+                if chord.flown {
+                    chord.wide_m = chord.wide_m.max(fix.cross_track_m);
+                }
+            }
+        }
+    }
+
+    /// Places off its leg at which a wing may be once it has turned towards a place: to a circle one of ArduPilot
     /// flies straight from there (`Plane::update_loiter`), and not along the leg.
     pub(crate) fn turned_towards(&self, place: EastNorth) -> Result<Vec<EastNorth>, Unknown> {
         let from = self.last();

@@ -1,0 +1,236 @@
+//! The way that PX4 flies along legs: its `NPFG` (`DirectionalGuidance::guideToPath`) gives a course towards the leg, and
+//! `AirspeedDirectionController` turns the heading to it.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::autopilot::Version;
+use crate::mission::VehicleMission;
+
+use super::line::Line;
+
+/// Acceleration across for an error of the heading, a share of the airspeed a second
+/// (`AirspeedDirectionController::p_gain_`, which no parameter sets).
+const HEADING_GAIN: f64 = 0.8885;
+/// Since 1.18 the navigator has the switch distance of the guidance (`fw_guidance_status`); 1.17 lost it.
+const SWITCHES_EARLY: Version = Version {
+    major: 1,
+    minor: 18,
+};
+
+/// What steers a wing of PX4.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Npfg {
+    /// `NPFG_PERIOD * NPFG_DAMPING`, seconds.
+    time_s: f64,
+    /// `NPFG_SW_DST_MLT`.
+    switch_share: f64,
+    /// `NAV_ACC_RAD`, metres.
+    accept_m: f64,
+    /// Takes the next leg within the switch distance already.
+    early: bool,
+}
+
+impl Npfg {
+    /// Of a mission; none where the autopilot has no such parameters.
+    pub(super) fn of(mission: &VehicleMission) -> Option<Self> {
+        let held = |name: &str| mission.param_si(name).filter(|value| *value > 0.0);
+        let facts = mission.facts();
+        let value = |name: &str| Some(held(name).unwrap_or(facts.parameter(name)?.default_si()));
+        Some(Self {
+            time_s: value("NPFG_PERIOD")? * value("NPFG_DAMPING")?,
+            switch_share: value("NPFG_SW_DST_MLT")?,
+            accept_m: value("NAV_ACC_RAD")?,
+            early: false,
+        })
+    }
+
+    /// The ways in which this version takes the next leg: 1.17 was flown, later ones may take it earlier.
+    pub(super) fn variants(self, version: Option<Version>) -> [Option<Self>; 2] {
+        let is_early = version.is_some_and(|version| version >= SWITCHES_EARLY);
+        let early = Self {
+            early: true,
+            ..self
+        };
+        [Some(self), is_early.then_some(early)]
+    }
+
+    /// So far before a waypoint the next leg is turned onto, metres.
+    pub(super) fn turn_distance_m(&self, ground_mps: f64) -> f64 {
+        match self.early {
+            true => self.accept_m.max(self.switch_m(ground_mps)),
+            false => self.accept_m,
+        }
+    }
+
+    fn switch_m(&self, ground_mps: f64) -> f64 {
+        self.switch_share * self.bound_m(ground_mps)
+    }
+
+    /// From so far beside a leg the guidance flies straight onto it, metres.
+    fn bound_m(&self, ground_mps: f64) -> f64 {
+        self.time_s * ground_mps.max(1.0)
+    }
+
+    /// The acceleration across that it asks for, m/s^2, to the left, of a wing at a place that heads `heading_rad` through
+    /// the air with `air_mps` and makes `ground_mps` over the ground.
+    pub(super) fn demand_mps2(
+        &self,
+        (line, at): (&Line, [f64; 2]),
+        (heading_rad, air_mps, ground_mps): (f64, f64, f64),
+        [east_mps, north_mps]: [f64; 2],
+    ) -> f64 {
+        let gone = line.gone(at);
+        let off_m = gone[0].hypot(gone[1]);
+        let mut bearing = line.unit;
+        if line.ahead(gone) < 0.0 && off_m > self.switch_m(ground_mps) {
+            // Far before the leg it heads for its beginning.
+            bearing = gone.map(|part| -part / off_m);
+        } else {
+            let right_m = line.right(gone);
+            let share = (right_m.abs() / self.bound_m(ground_mps)).min(1.0);
+            let (along, across) = (FRAC_PI_2 * (share - 1.0).powi(2)).sin_cos();
+            let [east, north] = line.unit;
+            let left = right_m.signum() * across;
+            bearing = [
+                along * bearing[0] - left * north,
+                along * bearing[1] + left * east,
+            ];
+        }
+        // The heading that makes that course in the wind.
+        let across_mps = east_mps * bearing[1] - north_mps * bearing[0];
+        let ahead_mps = (air_mps * air_mps - across_mps * across_mps)
+            .max(0.0)
+            .sqrt();
+        let heading = [
+            ahead_mps * bearing[0] - across_mps * bearing[1],
+            across_mps * bearing[0] + ahead_mps * bearing[1],
+        ];
+        let (sin, cos) = heading_rad.sin_cos();
+        let error_rad =
+            (cos * heading[1] - sin * heading[0]).atan2(cos * heading[0] + sin * heading[1]);
+        HEADING_GAIN * air_mps * error_rad.clamp(-FRAC_PI_2, FRAC_PI_2).sin()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::l1::{Guidance, Law};
+    use super::Npfg;
+    use crate::autopilot::{Airframe, Autopilot, Version, facts};
+    use crate::geodesy::EastNorth;
+    use crate::verify::execute::legs::Knot;
+    use crate::verify::measure::segment::Phase;
+
+    const V1_17: Version = Version {
+        major: 1,
+        minor: 17,
+    };
+
+    fn guidance() -> Guidance {
+        let behaviour = facts(Autopilot::Px4, Airframe::Plane).behaviour;
+        let npfg = Npfg {
+            time_s: 7.0,
+            switch_share: 0.32,
+            accept_m: 5.0,
+            early: false,
+        };
+        Guidance {
+            law: Law::Npfg(npfg),
+            bank_rad: (1.0_f64 / 1.2).acos(),
+            turning_share: behaviour.turning_share.value(None),
+            bank_lag_s: behaviour.bank_lag_s.value(None),
+            wind_mps: None,
+        }
+    }
+
+    fn knots(places: &[(f64, f64)]) -> Vec<Knot> {
+        let knot = |&(east_m, north_m): &(f64, f64)| Knot {
+            row: 1,
+            at: EastNorth { east_m, north_m },
+            amsl_m: 664.0,
+            agl_m: None,
+            speed_mps: 13.0,
+            speed_is_known: true,
+            phase: Phase::Route,
+            slope_from_m: None,
+            accept_m: 5.0,
+        };
+        places.iter().map(knot).collect()
+    }
+
+    /// Seed 814 of the campaign: places of its mission, and where 1.17 of January 2026 had its simulated plane in still air.
+    const PLACES: [(f64, f64); 7] = [
+        (0.0, 682.0),
+        (0.0, 726.0),
+        (-59.0, 727.0),
+        (-62.0, 523.0),
+        (-7.0, 518.0),
+        (0.0, 560.0),
+        (88.0, 1092.0),
+    ];
+    const FLOWN: [(f64, f64); 13] = [
+        (-9.0, 746.0),
+        (-31.0, 750.0),
+        (-61.0, 731.0),
+        (-79.0, 717.0),
+        (-81.0, 705.0),
+        (-67.0, 672.0),
+        (-60.0, 638.0),
+        (-58.0, 507.0),
+        (-37.0, 497.0),
+        (-15.0, 506.0),
+        (7.0, 517.0),
+        (16.0, 539.0),
+        (13.0, 551.0),
+    ];
+
+    #[test]
+    fn the_way_around_corners_is_the_flown_one_where_that_was_25_m_beside_the_legs() {
+        let fixes = guidance().follow(&knots(&PLACES), &[13.4; 6]);
+        let mut furthest_m = 0.0_f64;
+        for (east_m, north_m) in FLOWN {
+            let flown = EastNorth { east_m, north_m };
+            let off_m = fixes.iter().map(|fix| fix.at.distance_m(flown));
+            let off_m = off_m.fold(f64::INFINITY, f64::min);
+            assert!(off_m < 12.0, "{flown:?}: {off_m} m");
+            furthest_m = furthest_m.max(off_m);
+        }
+        // The planned speed is more than the flown one, so that the way of the verdict is the wider one.
+        assert!(furthest_m > 1.0, "{furthest_m}");
+        let aside_m = fixes
+            .iter()
+            .map(|fix| fix.cross_track_m)
+            .fold(0.0, f64::max);
+        assert!(aside_m > 25.0, "{aside_m}");
+    }
+
+    #[test]
+    fn a_later_version_may_turn_earlier_and_both_ways_are_judged() {
+        let count = |version| guidance().variants(version).count();
+        assert_eq!(count(None), 1);
+        assert_eq!(count(Some(V1_17)), 1);
+        let later = Version { minor: 18, ..V1_17 };
+        let ways: Vec<_> = guidance().variants(Some(later)).collect();
+        assert_eq!(ways.len(), 2);
+        let knots = knots(&[(0.0, 0.0), (600.0, 0.0), (600.0, 600.0)]);
+        let furthest_m = |way: &Guidance| {
+            let fixes = way.follow(&knots, &[13.4; 2]);
+            fixes.iter().map(|fix| fix.at.east_m).fold(0.0, f64::max)
+        };
+        let (late_m, early_m) = (furthest_m(&ways[0]), furthest_m(&ways[1]));
+        assert!(late_m > 625.0 && early_m < 615.0, "{late_m} {early_m}");
+    }
+
+    #[test]
+    fn a_straight_leg_is_flown_straight_in_the_wind_too() {
+        let windy = Guidance {
+            wind_mps: Some([3.0, -5.0]),
+            ..guidance()
+        };
+        let fixes = windy.follow(
+            &knots(&[(0.0, 0.0), (800.0, 300.0), (1600.0, 600.0)]),
+            &[12.0; 2],
+        );
+        assert!(fixes.iter().all(|fix| fix.cross_track_m < 0.5));
+    }
+}
