@@ -112,7 +112,7 @@ const DEV: Version = version(4, 7);
 /// `missions/sitl-ardupilot.yaml`: 5.5 to 6.0 s late over their homes (motors that spin up, jerk
 /// upwards), 6.1 to 8.5 s at waypoints. Two over the ridge of Jacksboro: 8.3 s and, where slopes
 /// change by 7 degrees, 11.6 s at waypoints. ArduCopter 4.6.0-dev was 6 s late on the first.
-const TAKEOFF_LATE_S: Figure = Figure(&[measured(
+const TAKEOFF_LATE_S: Figure = Figure::greatest(&[measured(
     (12.0, "s"),
     DEV,
     5,
@@ -121,7 +121,7 @@ const TAKEOFF_LATE_S: Figure = Figure(&[measured(
 
 /// On the same flights a stop with a turn back took 4.4 s more on level ground (`WPNAV_JERK`),
 /// 4.2 s over the ridge. Assumed of all other vehicles; on PX4 4.6 s together with the leg to it.
-pub(super) const STOP_LATE_S: Figure = Figure(&[measured(
+pub(super) const STOP_LATE_S: Figure = Figure::greatest(&[measured(
     (4.5, "s"),
     DEV,
     5,
@@ -137,7 +137,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     // Lateness that grows with the legs was not measured.
     leg_late_s: NONE,
     late_share: NONE,
-    corner_late_s: Figure(&[measured(
+    corner_late_s: Figure::greatest(&[measured(
         (0.2, "s"),
         version(4, 6),
         31,
@@ -157,7 +157,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     bank_lag_s: NONE,
     // Through the air, whatever WPNAV_SPEED says; in 5 m/s of wind copters at 8 to 10 m/s were 106
     // to 133 s late against it.
-    lean_speed_mps: Figure(&[measured(
+    lean_speed_mps: Figure::least(&[measured(
         (9.5, "m/s"),
         version(4, 6),
         2,
@@ -170,7 +170,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
 /// ArduPlane 4.7.0-dev of July 2025, simulated, 0 to 6 m/s of wind, even flights of the campaign: it
 /// runs and climbs faster than planned, and is 11.1 s early 41 s after its takeoff against 6 m/s. One of
 /// 4.7.0-beta1 with 16 m/s gained 114 m within 12 s, and made 10 m/s over the ground after that.
-pub(super) const TAKEOFF_EARLY_S: Figure = Figure(&[measured(
+pub(super) const TAKEOFF_EARLY_S: Figure = Figure::greatest(&[measured(
     (13.5, "s"),
     DEV,
     17,
@@ -180,7 +180,7 @@ pub(super) const TAKEOFF_EARLY_S: Figure = Figure(&[measured(
 /// It climbs out with all its thrust, and had the height of its takeoff after 0.20 (2.7 m/s planned,
 /// against 6 m/s of wind) to 0.43 of the planned way (2.9 m/s, still air); how far the wind moves that
 /// place is in `drift_share`.
-pub(super) const CLIMB_OUT_SHARE: Figure = Figure(&[measured(
+pub(super) const CLIMB_OUT_SHARE: Figure = Figure::least(&[measured(
     (0.2, ""),
     version(4, 6),
     24,
@@ -188,7 +188,7 @@ pub(super) const CLIMB_OUT_SHARE: Figure = Figure(&[measured(
 )]);
 
 /// The same plane exceeded that height before it levelled off.
-pub(super) const CLIMB_OUT_OVERSHOOT_M: Figure = Figure(&[measured(
+pub(super) const CLIMB_OUT_OVERSHOOT_M: Figure = Figure::greatest(&[measured(
     (14.0, "m"),
     DEV,
     1,
@@ -198,7 +198,7 @@ pub(super) const CLIMB_OUT_OVERSHOOT_M: Figure = Figure(&[measured(
 /// Planes were flown in 0 to 6 m/s of wind on 4.7.0-dev (10 flights) and 4.6.3 (40). In 8 m/s 3 of 10 were
 /// beyond what the verdict allows: 31 m beside the climb-out, or 3 to 5 s early; in 10 m/s all of 4: 50 m beside,
 /// 87 s early. With the wind from behind the simulator blows a parked plane away in 8 m/s.
-pub(super) const PLANE_MAX_WIND_MPS: Figure = Figure(&[measured(
+pub(super) const PLANE_MAX_WIND_MPS: Figure = Figure::least(&[measured(
     (6.0, "m/s"),
     version(4, 6),
     54,
@@ -206,7 +206,7 @@ pub(super) const PLANE_MAX_WIND_MPS: Figure = Figure(&[measured(
 )]);
 
 /// In more a QuadPlane goes where it will as it climbs.
-pub(super) const QUADPLANE_MAX_WIND_MPS: Figure = Figure(&[measured(
+pub(super) const QUADPLANE_MAX_WIND_MPS: Figure = Figure::least(&[measured(
     (4.0, "m/s"),
     DEV,
     22,
@@ -220,7 +220,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     // QuadPlanes in up to 4 m/s of wind: 7.7 s early after 159 s, 7.5 s after 148 s; a plane gains
     // 4 s in 90 s. The simulator's true airspeed is greater than it should be, and a real sensor may
     // be off as much.
-    early_share: Figure(&[measured(
+    early_share: Figure::greatest(&[measured(
         (0.05, ""),
         DEV,
         10,
@@ -229,7 +229,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     // Planes of 18 and 20 m/s on circles of 80 to 100 m in up to 6 m/s of wind were up to 46 m further
     // out than their radius, with a turn radius of 64 m (load factor 1.2): they come to it with a
     // swing, and a bank that is just enough for the circle does not bring them back.
-    circle_wide_share: Figure(&[measured(
+    circle_wide_share: Figure::greatest(&[measured(
         (0.75, ""),
         DEV,
         5,
@@ -237,7 +237,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     )]),
     // They come to it 16.6 m below its altitude after a climb (QuadPlanes 16.7 m; 4.6.3: 27 m), or above
     // it; what is left of that climb at the rim, and its lag, included.
-    circle_level_m: Figure(&[measured(
+    circle_level_m: Figure::greatest(&[measured(
         (6.0, "m"),
         DEV,
         10,
@@ -245,7 +245,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     )]),
     // One plane and one QuadPlane: 3.1 to 3.7 m at 1.15 m/s, 5.2 m at 1.6 m/s, 10.9 m at 2.9 m/s,
     // and most of it still on the next leg (TECS_HDEM_TCONST is 3).
-    altitude_lag_s: Figure(&[measured(
+    altitude_lag_s: Figure::greatest(&[measured(
         (3.3, "s"),
         DEV,
         2,
@@ -256,13 +256,13 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     // Fitted to a plane that slips in its turns: 14.2 degrees a second at 33.3 degrees of bank
     // and 19.1 m/s, 0.73 of a coordinated turn, its bank reached within a second. With these the
     // cross-track error comes out no less than any measured one, and at most 45 % more.
-    turning_share: Figure(&[measured(
+    turning_share: Figure::least(&[measured(
         (0.7, ""),
         DEV,
         1,
         "ArduPlane 4.7.0-dev, simulated, still air, 18 m/s, bank of 34 degrees",
     )]),
-    bank_lag_s: Figure(&[measured(
+    bank_lag_s: Figure::greatest(&[measured(
         (0.5, "s"),
         DEV,
         1,
@@ -379,7 +379,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
         takeoff_late_s: NONE,
         // It holds the heading, not the course of its takeoff: at its height, 80 m that were to take
         // 20 to 31 s, it was as far downwind as the wind goes in 5.2 to 6.2 s.
-        drift_share: Figure(&[measured(
+        drift_share: Figure::greatest(&[measured(
             (0.32, ""),
             DEV,
             5,
@@ -422,7 +422,7 @@ pub(super) static QUADPLANE: Facts = Facts {
     },
     behaviour: Behaviour {
         // The wind carries it along its first leg before that begins: 4.6 s early after 22 s.
-        takeoff_early_s: Figure(&[measured(
+        takeoff_early_s: Figure::greatest(&[measured(
             (4.0, "s"),
             version(4, 6),
             32,
@@ -433,7 +433,7 @@ pub(super) static QUADPLANE: Facts = Facts {
         // With the nose more than 80 degrees off the wind it was 25 to 63 m off at the top of a climb
         // of 20 to 28 s in 4 m/s; with its nose into it 1 m. In 6 to 8 m/s (4.7.0-dev) it goes where
         // it will: 43 to 267 m.
-        drift_share: Figure(&[measured(
+        drift_share: Figure::greatest(&[measured(
             (0.8, ""),
             version(4, 6),
             32,
@@ -442,14 +442,14 @@ pub(super) static QUADPLANE: Facts = Facts {
         // With the wind from behind its tail is blown around as it descends, and it circles: 29 m off
         // in 2 m/s, 22 m in 3 m/s, 55 m (where it touched down) in 4 m/s. Into the wind and across at
         // most 8 m.
-        landing_drift_s: Figure(&[measured(
+        landing_drift_s: Figure::greatest(&[measured(
             (20.0, "s"),
             version(4, 6),
             14,
             "ArduPlane 4.6.3, simulated, 1 to 4 m/s of wind from behind: 55 m off in 4 m/s, 29 m in 2 m/s",
         )]),
         // With the nose backwards and 4 m/s from behind it was 68 m outside of the region that 3.6 s gave.
-        drift_s: Figure(&[measured(
+        drift_s: Figure::greatest(&[measured(
             (21.0, "s"),
             DEV,
             12,
@@ -457,7 +457,7 @@ pub(super) static QUADPLANE: Facts = Facts {
         )]),
         // In still air and 2 m/s with the nose 171 and 173 degrees off its first leg, and 15 m of
         // buffer included, 156 and 180 m beside that: two turn radii of 52 m more.
-        transition_m: Figure(&[measured(
+        transition_m: Figure::greatest(&[measured(
             (80.0, "m"),
             DEV,
             3,

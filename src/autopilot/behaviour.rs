@@ -7,7 +7,7 @@ use super::Version;
 /// One measured figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// The value that the verdict assumes: the worst of the samples, rounded up.
+    /// The value that the verdict assumes: the worst of the samples, rounded to the safe side.
     pub value: f64,
     /// Its unit; empty for a share.
     pub unit: &'static str,
@@ -48,17 +48,44 @@ impl fmt::Display for Measured {
 
 /// Measurements of one figure, of one or more versions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure(pub &'static [Measured]);
+pub struct Figure {
+    /// One for each version that was measured.
+    pub rows: &'static [Measured],
+    worst: Worst,
+}
+
+/// Which value of a figure is the worst.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Worst {
+    Greatest,
+    Least,
+}
 
 impl Figure {
+    /// A figure that is the worse the greater it is, like a lateness.
+    pub(super) const fn greatest(rows: &'static [Measured]) -> Self {
+        let worst = Worst::Greatest;
+        Self { rows, worst }
+    }
+
+    /// One that is the worse the less it is, like a speed that is reached.
+    pub(super) const fn least(rows: &'static [Measured]) -> Self {
+        let worst = Worst::Least;
+        Self { rows, worst }
+    }
+
     /// The measurement that applies to a version: the worst of its own, or, where the version is
     /// not known or was not measured, the worst of all.
     #[must_use]
     pub fn of(self, version: Option<Version>) -> Option<&'static Measured> {
         let worst = |only: Option<Version>| {
             let applies = |figure: &&Measured| only.is_none_or(|only| figure.version == only);
-            let figures = self.0.iter().filter(applies);
-            figures.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))
+            let figures = self.rows.iter().filter(applies);
+            let size = |a: &&Measured, b: &&Measured| a.value.abs().total_cmp(&b.value.abs());
+            match self.worst {
+                Worst::Greatest => figures.max_by(size),
+                Worst::Least => figures.min_by(size),
+            }
         };
         version
             .and_then(|version| worst(Some(version)))
@@ -82,7 +109,7 @@ impl fmt::Display for Figure {
 }
 
 /// No measurement: the verdict assumes 0.
-pub(super) const NONE: Figure = Figure(&[]);
+pub(super) const NONE: Figure = Figure::greatest(&[]);
 
 /// How one airframe of one autopilot deviates from straight legs flown on time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -250,11 +277,14 @@ mod tests {
                 source: "",
             }
         }
-        let figure = Figure(&SAMPLES);
+        let figure = Figure::greatest(&SAMPLES);
         let of = |version| figure.of(version).map(ToString::to_string);
         assert_eq!(of(None).as_deref(), Some("12 s"));
         assert_eq!(of(Some(version(4, 6))).as_deref(), Some("6 s"));
         assert_eq!(of(Some(version(4, 8))).as_deref(), Some("12 s"));
         assert!(NONE.value(None).abs() <= 0.0);
+        let least = Figure::least(&SAMPLES);
+        assert!((least.value(None) - 6.0).abs() < 1e-9);
+        assert!((least.value(Some(version(4, 7))) - 8.0).abs() < 1e-9);
     }
 }

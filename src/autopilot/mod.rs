@@ -361,7 +361,7 @@ mod tests {
         for autopilot in Autopilot::ALL {
             for airframe in Airframe::ALL {
                 for (name, figure) in facts(autopilot, airframe).behaviour.figures() {
-                    for measured in figure.0 {
+                    for measured in figure.rows {
                         assert!(!measured.source.is_empty(), "{name}");
                         assert!(measured.value > 0.0, "{name}");
                     }

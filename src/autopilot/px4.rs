@@ -80,7 +80,7 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     // vehicle; three at once on flat ground at 7 and 8 m/s, three over the ridge of Jacksboro at 8
     // and at 12 m/s (there with less drag): 6.0 to 10.1 s late over their homes, up to 12.3 s at
     // the end of the first leg, which also has its share of `leg_late_s`.
-    takeoff_late_s: Figure(&[measured(
+    takeoff_late_s: Figure::greatest(&[measured(
         (14.0, "s"),
         version(1, 18),
         8,
@@ -91,7 +91,7 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     // ArduCopter: at 8 m/s by up to 2.1 s a leg (slopes that change by 14 degrees), 12.5 s more
     // after twelve legs; at 12 m/s 1.7 s a corner of 20 degrees, 6.0 s after four such legs in a
     // row, 20.7 s after 23 legs.
-    leg_late_s: Figure(&[measured(
+    leg_late_s: Figure::greatest(&[measured(
         (1.5, "s"),
         version(1, 16),
         6,
@@ -99,14 +99,14 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     )]),
     // It flies to and fro around the altitude of a waypoint that is followed by another altitude, by up to 4 m, as long
     // as it is on its way to the waypoint, and is 10 % slower then: 72 to 115 s late after 15 to 27 minutes.
-    late_share: Figure(&[measured(
+    late_share: Figure::greatest(&[measured(
         (0.1, ""),
         version(1, 18),
         3,
         "PX4 1.18 beta, simulated, still air, 6 to 6.5 m/s: 8.7 to 9.5 % of the time; 1.17.0: nothing beyond leg_late_s",
     )]),
     // Planned for 10 m/s it was 44 s late after 7 minutes; with less drag it flew 12 m/s.
-    lean_speed_mps: Figure(&[measured(
+    lean_speed_mps: Figure::least(&[measured(
         (9.8, "m/s"),
         version(1, 16),
         1,
@@ -126,7 +126,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     late_share: NONE,
     lean_speed_mps: NONE,
     lean_deg: 0.0,
-    altitude_lag_s: Figure(&[measured(
+    altitude_lag_s: Figure::greatest(&[measured(
         (3.5, "s"),
         version(1, 18),
         0,
@@ -137,26 +137,26 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     climb_out_overshoot_m: ardupilot::CLIMB_OUT_OVERSHOOT_M,
     // Flown with 1.17 of January 2026, its own simulated plane at 11 to 13 m/s: coordinated turns, 33.6 degrees of bank
     // within 1.2 s; the way of its law with these two is at most 12 m beside what was flown.
-    turning_share: Figure(&[measured(
+    turning_share: Figure::least(&[measured(
         (0.95, ""),
         version(1, 17),
         5,
         "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 0.97 to 1.02 at 33.6 degrees of bank",
     )]),
-    bank_lag_s: Figure(&[measured(
+    bank_lag_s: Figure::greatest(&[measured(
         (0.5, "s"),
         version(1, 17),
         5,
         "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: from 0 to 32 degrees in 1.2 s",
     )]),
     // On its circle it keeps within 2.9 m of the rim; it turns onto it late, and without the wind first.
-    circle_wide_share: Figure(&[measured(
+    circle_wide_share: Figure::greatest(&[measured(
         (0.25, ""),
         version(1, 17),
         22,
         "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 24 m as it comes to it with a turn radius of 52 m, 15 m of them a buffer",
     )]),
-    circle_level_m: Figure(&[measured(
+    circle_level_m: Figure::greatest(&[measured(
         (3.0, "m"),
         version(1, 17),
         22,
@@ -247,13 +247,13 @@ pub(super) static PLANE: Facts = Facts {
         // Assumed: ArduPlane was measured.
         takeoff_early_s: ardupilot::TAKEOFF_EARLY_S,
         // It comes to its planned speed in a minute or two, and flies the rest of its mission as planned.
-        drift_share: Figure(&[measured(
+        drift_share: Figure::greatest(&[measured(
             (0.1, ""),
             version(1, 17),
             22,
             "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 20 m beside its takeoff in a climb planned for 27 s, 15 m of them a buffer",
         )]),
-        climb_late_s: Figure(&[measured(
+        climb_late_s: Figure::greatest(&[measured(
             (28.0, "s"),
             version(1, 17),
             22,
@@ -301,7 +301,7 @@ pub(super) static VTOL: Facts = Facts {
     rises_from_boot: None,
     behaviour: Behaviour {
         // Main of March 2026, its own simulated VTOL at 9 and 10 m/s.
-        takeoff_late_s: Figure(&[measured(
+        takeoff_late_s: Figure::greatest(&[measured(
             (30.0, "s"),
             version(1, 18),
             3,
@@ -310,7 +310,7 @@ pub(super) static VTOL: Facts = Facts {
         // `Mission::handleTakeoff` turns the nose to where its takeoff is from where it hovers: any course, where both are
         // one place. On legs to the north, east, south and west it was 3 to 38 m beside them; at most 4.2 m
         // where the takeoff was 8 or 60 m ahead on the leg.
-        transition_m: Figure(&[measured(
+        transition_m: Figure::greatest(&[measured(
             (45.0, "m"),
             version(1, 18),
             7,
