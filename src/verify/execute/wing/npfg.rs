@@ -143,7 +143,7 @@ mod tests {
         }
     }
 
-    fn knots(places: &[(f64, f64)]) -> Vec<Knot> {
+    fn knots(points: &[(f64, f64)]) -> Vec<Knot> {
         let knot = |&(east_m, north_m): &(f64, f64)| Knot {
             row: 1,
             at: EastNorth { east_m, north_m },
@@ -155,11 +155,11 @@ mod tests {
             slope_from_m: None,
             accept_m: 5.0,
         };
-        places.iter().map(knot).collect()
+        points.iter().map(knot).collect()
     }
 
     /// Seed 814 of the campaign: places of its mission, and where 1.17 of January 2026 had its simulated plane in still air.
-    const PLACES: [(f64, f64); 7] = [
+    const CORNERS: [(f64, f64); 7] = [
         (0.0, 682.0),
         (0.0, 726.0),
         (-59.0, 727.0),
@@ -185,8 +185,8 @@ mod tests {
     ];
 
     #[test]
-    fn the_way_around_corners_is_the_flown_one_where_that_was_25_m_beside_the_legs() {
-        let fixes = guidance().follow(&knots(&PLACES), &[13.4; 6]);
+    fn corners_are_flown_as_a_simulated_plane_flew_them() {
+        let fixes = guidance().follow(&knots(&CORNERS), &[13.4; 6]);
         let mut furthest_m = 0.0_f64;
         for (east_m, north_m) in FLOWN {
             let flown = EastNorth { east_m, north_m };
