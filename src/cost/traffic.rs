@@ -153,11 +153,45 @@ impl Ball {
 
     /// Whether two balls are further apart than `reach_m`, by more than rounding.
     fn is_apart(&self, other: &Self, reach_m: f64) -> bool {
+        let touch_m = self.radius_m + other.radius_m + reach_m + 1e-6;
+        self.away_sq(other) > touch_m * touch_m
+    }
+
+    /// Distance of the middles of two, squared.
+    fn away_sq(&self, other: &Self) -> f64 {
         let gap_m = |axis: usize| self.center_m[axis] - other.center_m[axis];
         let (east_m, north_m, up_m) = (gap_m(0), gap_m(1), gap_m(2));
-        let gap_sq = east_m * east_m + north_m * north_m + up_m * up_m;
-        let touch_m = self.radius_m + other.radius_m + reach_m + 1e-6;
-        gap_sq > touch_m * touch_m
+        east_m * east_m + north_m * north_m + up_m * up_m
+    }
+}
+
+/// The ratio of distance and limit that a motion must be below to be worse than a severity.
+fn most(severity: f64) -> f64 {
+    /// More than rounding may take from a ratio.
+    const TOLERANCE: f64 = 1e-9;
+    (1.0 - severity + TOLERANCE).min(1.0)
+}
+
+/// A few numbers of runs, as long as they are few.
+#[derive(Default)]
+struct Few {
+    numbers: [usize; Self::MOST],
+    count: usize,
+}
+
+impl Few {
+    const MOST: usize = 16;
+
+    fn push(&mut self, number: usize) {
+        if let Some(place) = self.numbers.get_mut(self.count) {
+            *place = number;
+        }
+        self.count += 1;
+    }
+
+    /// All of them; none where they were too many.
+    fn all(&self) -> Option<&[usize]> {
+        self.numbers.get(..self.count)
     }
 }
 
@@ -226,31 +260,58 @@ impl Traffic {
         ])
     }
 
+    /// The worst of all motions that are near. The run whose middle is nearest is looked at first:
+    /// most of the others are then surely better, which their balls show.
     fn severity(&self, own: &Segment) -> Severity {
         let ball = Ball::around(own);
-        let mut worst = Severity::default();
         let reach = extent(own, self.slack_s, self.distance_m);
-        self.index.cells.each(&reach, |run| {
-            let run = &self.index.runs[run];
-            let (from_s, to_s) = run.times_s;
-            if to_s + self.slack_s < own.t0_s || from_s - self.slack_s > own.t1_s {
+        let mut nearest = (f64::INFINITY, usize::MAX);
+        let mut met = Few::default();
+        self.index.cells.each(&reach, |number| {
+            let run = &self.index.runs[number];
+            if self.is_at_another_time(own, run) || ball.is_apart(&run.ball, self.reach_m) {
                 return;
             }
-            if ball.is_apart(&run.ball, self.reach_m) {
-                return;
-            }
-            for other in run.segments.clone() {
-                worst = worst.worse(self.severity_of(own, &ball, other, worst.value));
+            met.push(number);
+            let away_sq = ball.away_sq(&run.ball);
+            if away_sq < nearest.0 {
+                nearest = (away_sq, number);
             }
         });
+        let Some(first) = self.index.runs.get(nearest.1) else {
+            return Severity::default();
+        };
+        let mut worst = self.worse_in(own, &ball, first, Severity::default());
+        let mut see = |number: usize| {
+            let run = &self.index.runs[number];
+            let is_other = number != nearest.1 && !self.is_at_another_time(own, run);
+            if is_other && !ball.is_apart(&run.ball, most(worst.value) * self.reach_m) {
+                worst = self.worse_in(own, &ball, run, worst);
+            }
+        };
+        match met.all() {
+            Some(numbers) => numbers.iter().copied().for_each(see),
+            None => self.index.cells.each(&reach, &mut see),
+        }
         worst
+    }
+
+    fn is_at_another_time(&self, own: &Segment, run: &Run) -> bool {
+        let (from_s, to_s) = run.times_s;
+        to_s + self.slack_s < own.t0_s || from_s - self.slack_s > own.t1_s
+    }
+
+    /// The worst of the motions of a run and of what is known.
+    fn worse_in(&self, own: &Segment, ball: &Ball, run: &Run, worst: Severity) -> Severity {
+        let others = run.segments.clone();
+        others.fold(worst, |worst, other| {
+            worst.worse(self.severity_of(own, ball, other, worst.value))
+        })
     }
 
     /// The severity of one other motion; nothing, where it is surely below `worst`.
     fn severity_of(&self, own: &Segment, ball: &Ball, other: usize, worst: f64) -> Severity {
-        /// More than rounding may take from a ratio.
-        const TOLERANCE: f64 = 1e-9;
-        let most = (1.0 - worst + TOLERANCE).min(1.0);
+        let most = most(worst);
         if ball.is_apart(&self.index.balls[other], most * self.reach_m) {
             return Severity::default();
         }

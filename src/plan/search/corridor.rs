@@ -5,6 +5,8 @@
 //! need, drawn tight and judged; the fewest control points with a clean fit are searched. It runs
 //! only after the default search, so the plans that this finds keep their bytes.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::fit::{Fitter, Line, Warp};
@@ -29,6 +31,14 @@ const PER_CORNER: usize = 2;
 const GATHERED: [(f64, f64); 2] = [(1.5, 4.0), (2.5, 2.0)];
 /// How many more control points the next attempt has.
 const MORE: f64 = 1.5;
+/// Attempts after the first fit that keeps the limits, where that is no better than what is known: a
+/// cheaper class may have more bends.
+const FURTHER: usize = 2;
+/// A fit that costs less than this many times the cheapest class in its field is one of that class, or as
+/// good.
+const OF_CHEAPEST: f64 = 1.03;
+/// Fits with more control points are worth their time where they cost less by this share.
+const CHEAPER: f64 = 0.02;
 /// Most control points between the ends: the altitudes of more are slow to decode.
 const MAX_CONTROLS: usize = 400;
 /// The same where a layer over the ground is followed: there more seldom help.
@@ -64,7 +74,9 @@ pub(super) fn or_through_corridors(
         return first;
     };
     let spent = first.evaluations;
-    through((context, run), (&homotopy, spent), |_| true, |_| run.budget).unwrap_or(first)
+    let any = f64::INFINITY;
+    let (from, budget) = ((&homotopy, spent), |_| run.budget);
+    through((context, run), from, &(any..any), budget).unwrap_or(first)
 }
 
 /// What is found through corridors that the soft fields may have missed, where what was found alone
@@ -87,15 +99,15 @@ pub(super) fn nearer_to_bound(
         return None;
     }
     let homotopy = corridors(context)?;
-    let is_near = |fit: &Found| fit.strict.total() < NEAR * cost;
+    let better = (1.0 - GAIN) * cost;
     let budget = |controls| as_much_work(context.controls(), controls, run.budget);
     let found = through(
         (context, run),
         (&homotopy, first.evaluations),
-        is_near,
+        &(better..NEAR * cost),
         budget,
     )?;
-    let is_better = found.strict.is_clean() && found.strict.total() < (1.0 - GAIN) * cost;
+    let is_better = found.strict.is_clean() && found.strict.total() < better;
     is_better.then_some(found)
 }
 
@@ -119,46 +131,94 @@ fn has_corridors(context: &RouteContext<'_>) -> bool {
         && context.options.classes
 }
 
-/// What is found through corridors with as few control points as have a fit that keeps the limits,
-/// within their budget; where no fit does, but the last breaks them by little, with as many as that
-/// has. None where nothing that is found keeps the limits, or where that is no good. Evaluations
-/// that were spent before are counted.
+/// What is found through corridors with as few control points as have a fit that keeps the limits and
+/// costs less than the lower of two `costs` and little more than the cheapest class; where none of the
+/// next numbers has, with those of the cheapest fit. Where no fit keeps the limits, but the last breaks
+/// them by little, with as many as that has. None where nothing that is found keeps the limits, or
+/// where the fit costs as much as the higher one. Evaluations that were spent before are counted.
 fn through(
     (context, run): (&RouteContext<'_>, Run<'_>),
     (homotopy, spent): (&HomotopyClasses, usize),
-    is_good: impl Fn(&Found) -> bool,
+    costs: &Range<f64>,
     budget: impl Fn(usize) -> usize,
 ) -> Option<Found> {
+    let cost = |fits: &Fits| alone(&fits.best.strict).total();
+    let least = homotopy.classes.first().map_or(0.0, |class| class.cost);
+    let enough = costs.start.min(OF_CHEAPEST * least);
+    let mut cheapest: Option<Fits> = None;
     let mut controls = needed_controls(context, homotopy);
+    let most_controls = most_controls(context);
+    let mut left = FURTHER;
     loop {
+        let fits = Fits::of(context, homotopy, controls, spent);
+        let is_last = controls >= most_controls;
+        let counts =
+            fits.are_clean() || is_last && cheapest.is_none() && is_nearly_clean(&fits.best.strict);
+        if counts {
+            let known =
+                (cheapest.take()).filter(|known| (1.0 - CHEAPER) * cost(known) <= cost(&fits));
+            cheapest = Some(known.unwrap_or(fits));
+        }
+        let found = cheapest.as_ref();
+        if is_last || left == 0 || found.is_some_and(|found| cost(found) < enough) {
+            break;
+        }
+        left -= usize::from(found.is_some());
+        controls = times_more(controls).min(most_controls);
+    }
+    let fits = cheapest.filter(|fits| cost(fits) < costs.end)?;
+    let spec = with_free_controls(context.spec, fits.controls);
+    let context = &RouteContext {
+        spec: &spec,
+        ..*context
+    };
+    let run = Run {
+        budget: budget(context.controls()),
+        ..run
+    };
+    let is_clean = fits.are_clean();
+    let found = searched_from(context, run, homotopy, (fits.seeds, fits.best));
+    (is_clean || keeps_static_limits(&found.strict)).then_some(found)
+}
+
+/// Fits with a number of control points, and the best of them.
+struct Fits {
+    controls: usize,
+    seeds: Vec<SearchSeed>,
+    best: Found,
+}
+
+impl Fits {
+    fn of(
+        context: &RouteContext<'_>,
+        homotopy: &HomotopyClasses,
+        controls: usize,
+        spent: usize,
+    ) -> Self {
         let spec = with_free_controls(context.spec, controls);
-        let context = RouteContext {
+        let context = &RouteContext {
             spec: &spec,
             ..*context
         };
-        let seeds = fits(&context, homotopy);
-        let fitted = found_among(&context, splines(&context, &seeds), spent);
-        let most = match context.layer().max_agl_m.is_finite() {
-            true => MAX_IN_LAYER,
-            false => MAX_CONTROLS,
-        };
-        let is_clean = keeps_static_limits(&fitted.strict);
-        let is_last = controls >= most;
-        if is_clean || is_last && is_nearly_clean(&fitted.strict) {
-            if !is_good(&fitted) {
-                return None;
-            }
-            let run = Run {
-                budget: budget(context.controls()),
-                ..run
-            };
-            let found = searched_from(&context, run, homotopy, (seeds, fitted));
-            return (is_clean || keeps_static_limits(&found.strict)).then_some(found);
+        let seeds = fits(context, homotopy);
+        let best = found_among(context, splines(context, &seeds), spent);
+        Self {
+            controls,
+            seeds,
+            best,
         }
-        if is_last {
-            return None;
-        }
-        controls = times_more(controls).min(most);
+    }
+
+    fn are_clean(&self) -> bool {
+        keeps_static_limits(&self.best.strict)
+    }
+}
+
+/// Most control points that fits are tried with.
+fn most_controls(context: &RouteContext<'_>) -> usize {
+    match context.layer().max_agl_m.is_finite() {
+        true => MAX_IN_LAYER,
+        false => MAX_CONTROLS,
     }
 }
 
@@ -237,13 +297,17 @@ fn splines(context: &RouteContext<'_>, seeds: &[SearchSeed]) -> Vec<Spline> {
     seeds.par_iter().map(spline).collect()
 }
 
-/// Whether a path keeps all limits but the distance from other vehicles.
-fn keeps_static_limits(strict: &CostTerms) -> bool {
-    let alone = CostTerms {
+/// What a path costs without other vehicles.
+fn alone(strict: &CostTerms) -> CostTerms {
+    CostTerms {
         collision: 0.0,
         ..*strict
-    };
-    alone.is_clean()
+    }
+}
+
+/// Whether a path keeps all limits but the distance from other vehicles.
+fn keeps_static_limits(strict: &CostTerms) -> bool {
+    alone(strict).is_clean()
 }
 
 /// Control points that the corners of the cheapest corridor need, at least those of the spec.
