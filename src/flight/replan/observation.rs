@@ -67,6 +67,13 @@ struct Known {
 }
 
 impl Known {
+    /// Something came: what came before is no news, and one that sends that alone is not waited for without end.
+    fn move_on(&mut self, now: Time, is_news: bool) {
+        if is_news {
+            self.moved = now;
+        }
+    }
+
     /// What it has not sent in time.
     fn missing(&self) -> &'static str {
         match self.reading.outcome() {
@@ -252,11 +259,13 @@ impl<'a> Observer<'a> {
                 }
                 _ if !of.beat.is_some_and(is_known) => {}
                 Message::MissionCurrent { seq, total, .. } => {
-                    (of.current, of.moved) = (Some((*seq, *total)), now);
+                    of.move_on(now, of.current.is_none());
+                    of.current = Some((*seq, *total));
                 }
                 // One without a fix says 0, 0.
                 Message::Flight(FlightMessage::Position(position)) if position.is_known() => {
-                    (of.position, of.moved) = (Some(*position), now);
+                    of.move_on(now, of.position.is_none());
+                    of.position = Some(*position);
                     of.flown.push((steady_ms(), *position));
                 }
                 Message::Mission(_) => of.moved = now,
