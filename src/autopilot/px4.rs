@@ -149,19 +149,6 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
         5,
         "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: from 0 to 32 degrees in 1.2 s",
     )]),
-    // On its circle it keeps within 2.9 m of the rim; it turns onto it late, and without the wind first.
-    circle_wide_share: Figure::greatest(&[measured(
-        (0.25, ""),
-        version(1, 17),
-        22,
-        "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 24 m as it comes to it with a turn radius of 52 m, 15 m of them a buffer",
-    )]),
-    circle_level_m: Figure::greatest(&[measured(
-        (3.0, "m"),
-        version(1, 17),
-        22,
-        "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 13.4 m below at the rim, the rest of the climb included",
-    )]),
     // The wind of its planes, which were flown in up to 6 m/s.
     max_wind_mps: ardupilot::PLANE_MAX_WIND_MPS,
     ..COPTER_BEHAVIOUR
@@ -247,6 +234,19 @@ pub(super) static PLANE: Facts = Facts {
         // Assumed: ArduPlane was measured.
         takeoff_early_s: ardupilot::TAKEOFF_EARLY_S,
         // It comes to its planned speed in a minute or two, and flies the rest of its mission as planned.
+        // On its circle it keeps within 2.9 m of the rim; it turns onto it late, and without the wind first.
+        circle_wide_share: Figure::greatest(&[measured(
+            (0.25, ""),
+            version(1, 17),
+            22,
+            "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 24 m as it comes to it with a turn radius of 52 m, 15 m of them a buffer",
+        )]),
+        circle_level_m: Figure::greatest(&[measured(
+            (3.0, "m"),
+            version(1, 17),
+            22,
+            "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 13.4 m below at the rim, the rest of the climb included",
+        )]),
         drift_share: Figure::greatest(&[measured(
             (0.1, ""),
             version(1, 17),

@@ -12,7 +12,7 @@ from .shapes import Height, Line, Point
 ORBIT_PIECES = 100  # of half an orbit in wind
 APART_M = 15.0  # lines that stand for a region
 INSIDE_SHARE, ALIGNED_REACH = 0.2, 1.2
-WIDE_SHARE, LEVEL_M = {"ardupilot": 0.75, "px4": 0.25}, {"ardupilot": 6.0, "px4": 3.0}
+WIDE_SHARE, LEVEL_M = {"ardupilot": 0.75, "plane-px4": 0.25}, {"ardupilot": 6.0, "plane-px4": 3.0}
 TRANSITION_M = {"ardupilot": 80.0, "px4": 45.0}
 DRIFT_S, DRIFT_SHARE, SIDES, LANDING_DRIFT_S = 21.0, 0.8, 12, 20.0
 ARRIVAL_DEG, ARRIVAL_LEGS = 10.0, 3
@@ -49,11 +49,11 @@ class Hull:
 class Circles:
     @property
     def level(self):
-        return LEVEL_M[self.vehicle["autopilot"]]
+        return LEVEL_M.get(self.kind, LEVEL_M["ardupilot"] if self.ardupilot else 0.0)
 
     @property
     def wide(self):
-        return WIDE_SHARE[self.vehicle["autopilot"]] * self.turn_radius
+        return WIDE_SHARE.get(self.kind, WIDE_SHARE["ardupilot"] if self.ardupilot else 0.0) * self.turn_radius
 
     def enter(self, at, amsl, radius):
         """To the rim along the tangent, or somewhere between that and the line to the middle."""
@@ -72,9 +72,10 @@ class Circles:
         self.legs(self.speed)
         for out in [last, *(self.knot_off(last, at, middle, amsl) for at in turned)]:
             self.lay(self.flat(out), middle, out.amsl, amsl)
-            off = self.level + abs(self.left_of_climb(out, middle, amsl, 0.0))
-            for up in (-off, off):
-                self.lay(self.flat(out), middle, out.amsl + up, amsl + up)
+            if self.level > 0:
+                off = self.level + abs(self.left_of_climb(out, middle, amsl, 0.0))
+                for up in (-off, off):
+                    self.lay(self.flat(out), middle, out.amsl + up, amsl + up)
         if inside:
             for motion in self.motions[first:]:
                 motion.wide = max(motion.wide, rim + 2 * self.turn_radius)
@@ -141,7 +142,8 @@ class Circles:
         last, middle, edge = self.enter(at, amsl, radius)
         self.orbit(middle, edge, radius, amsl)
         rim = abs(radius)
-        self.rings(middle, amsl, rim, self.wide, self.left_of_climb(last, middle, amsl, rim))
+        if self.wide > 0:
+            self.rings(middle, amsl, rim, self.wide, self.left_of_climb(last, middle, amsl, rim))
         point = Point(self.plane.place(middle), Height(False, amsl, amsl))
         self.judged.append(point)
         self.add(point, (0, 0), (0, 0), math.inf, (0.0, 0.0), rim + self.wide)

@@ -24,7 +24,7 @@
 //! its altitude. Its last part is judged as the first of a climb-out.
 //!
 //! **Onto a circle.** Along the tangent, clockwise where the radius `r` is positive, with the altitude of the
-//! circle at its end; in space as well straight to the middle, also 6 m (PX4: 3 m), and what is left of the
+//! circle at its end; in space as well straight to the middle, also 6 m (a plane of PX4: 3 m, its VTOL no such lines), and what is left of the
 //! climb, above and below the two ends of that line. Of a climb of `c` to a middle at a distance `d` is left `c r /
 //! d`, on the line 0, and the lag of `c` in the time that `speed_mps` takes for `d`, of `climb_mps` at most.
 //! ArduPlane does not follow a leg to a circle, and PX4 may swing off it: the same lines lead to the middle from each place of its way that is more than
@@ -37,13 +37,13 @@
 //! `r0 = v^2 / g tan b` at the indicated airspeed no wider than stated, it is the stated one, or `r0` times that square if
 //! that is more (`AP_L1_Control::loiter_radius`).
 //!
-//! **On a circle.** The orbit. Rings from `r - 0.2 R` to `r + 0.75 R` (PX4: `r + 0.25 R`), or `1.2 r` of one that
+//! **On a circle.** The orbit. Rings from `r - 0.2 R` to `r + 0.75 R` (a plane of PX4: `r + 0.25 R`, its VTOL none), or `1.2 r` of one that
 //! ArduPlane leaves if that is more: at the altitude of the circle, 6 m (PX4: 3 m) and what is left of a climb lower,
 //! as much and what is left of a descent higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
 //! circle that is not left towards a place further away than `r`, and any of PX4 that is left: a disc of `r + 2 R`.
 //!
 //! **Off a circle or a climb on rotors.** From the rim of the region straight to the next place, from the altitude
-//! there; level, 6 m higher (PX4: 3 m), where the place is lower; and at the altitudes of the leg from the
+//! there; level, 6 m higher (a plane of PX4: 3 m, its VTOL 0), where the place is lower; and at the altitudes of the leg from the
 //! middle, at each place by how far along it that is. So on legs after it that begin in the region.
 //!
 //! **The L1 law** (`AP_L1_Control::update_waypoint`, `Plane::verify_nav_wp`). With the period `T` (`NAVL1_PERIOD`,
