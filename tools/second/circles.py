@@ -92,9 +92,10 @@ class Circles:
         flat = [self.flat(knot) for knot in knots]
         cruise = [self.over_ground(b.speed, (a.amsl + b.amsl) / 2, math.atan2(*(q - p)))
                   for a, b, p, q in zip(knots, knots[1:], flat, flat[1:])]
-        way = self.law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind, 2 * STEP_S)
-        onto = [(a, b) for a, b, leg, aside in way if leg == len(knots) - 2 and aside > WAY_M]
-        found = [a for a, _ in onto[:1]] + [b for _, b in onto]
+        found = []
+        for way in self.law.both(lambda law: law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind, 2 * STEP_S)):
+            onto = [(a, b) for a, b, leg, aside in way if leg == len(knots) - 2 and aside > WAY_M]
+            found += [a for a, _ in onto[:1]] + [b for _, b in onto]
         if found:
             self.loose = max(self.loose, (2 + self.short) * STEP_S * self.fastest)
         return found
@@ -274,9 +275,9 @@ class Circles:
         end = min(on + ARRIVAL_LEGS, len(knots) - 1)
         for k in range(-count, count + 1):
             start = place + away * direction(toward + math.pi + most * k / count)
-            way = self.law.arrive(start, flat[leg], flat[on : end + 1], [knot.amsl for knot in knots[on : end + 1]],
-                                  cruise[on:end], self.wind)
-            self.lay_way(flat[on : end + 1], knots[on : end + 1], heights[on:end], way)
+            amsl = [knot.amsl for knot in knots[on : end + 1]]
+            for way in self.law.both(lambda law: law.arrive(start, flat[leg], flat[on : end + 1], amsl, cruise[on:end], self.wind)):
+                self.lay_way(flat[on : end + 1], knots[on : end + 1], heights[on:end], way)
 
 
 class Circle:

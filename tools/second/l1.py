@@ -74,6 +74,9 @@ class Law:
             gathers = 0.0
         return east, north, -self.turning_share * G * math.tan(bank) / air, (asked - bank) / BANK_LAG_S, gathers
 
+    def both(self, fly):
+        yield fly(self)
+
     def follow(self, flat, amsl, speeds, wind, judged=JUDGED_S):
         """The way along legs from the first place on the course of the first leg, half a second or so at a time:
         from, to, the leg that it follows at the end, and the furthest from that and the leg before."""
@@ -130,6 +133,7 @@ class Law:
 
 class Px4Law(Law):
     turning_share = 0.95
+    side = 1  # where the heading is more than 150 degrees off, it turns to the right
 
     def __init__(self, params, load_factor):
         self.time = params.get("NPFG_PERIOD", 10.0) * params.get("NPFG_DAMPING", 0.7)
@@ -158,6 +162,13 @@ class Px4Law(Law):
         from_right = -(wind[0] * math.cos(course) - wind[1] * math.sin(course))
         asked = course + math.asin(min(max(from_right / air, -1.0), 1.0))
         error = (asked - heading + math.pi) % (2 * math.pi) - math.pi
+        if abs(error) > math.radians(150):
+            error = self.side * abs(error)
         across = 0.8885 * air * math.sin(min(max(error, -math.pi / 2), math.pi / 2))
         roll = min(max(math.atan(across / G), -self.limit), self.limit)
         return east, north, self.turning_share * G * math.tan(bank) / air, (roll - bank) / BANK_LAG_S, 0.0
+
+    def both(self, fly):
+        """What it flies to the right and to the left where it may turn either way."""
+        for self.side in (1, -1):
+            yield fly(self)

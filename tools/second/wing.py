@@ -291,8 +291,8 @@ class WingFlight(Circles, Flight):
             self.early(knots, legs)
         self.leave_early(knots)
         if len(knots) > 2:
-            fixes = self.law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)
-            self.lay_way(flat, knots, heights, fixes)
+            for fixes in self.law.both(lambda law: law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)):
+                self.lay_way(flat, knots, heights, fixes)
         self.leave_hull(flat, knots, heights, cruise, [*firsts, len(self.motions)])
         self.late += 0.0 if last_speed > 0 else STOP_LATE
 

@@ -95,10 +95,10 @@ impl Guidance {
         })
     }
 
-    /// The ways in which a version may take the next leg, each to be judged.
+    /// The ways in which a version may turn onto the next leg, each to be judged.
     pub(crate) fn variants(self, version: Option<Version>) -> impl Iterator<Item = Self> {
         let laws = match self.law {
-            Law::L1(_) => [Some(self.law), None],
+            Law::L1(_) => [Some(self.law), None, None, None],
             Law::Npfg(npfg) => npfg.variants(version).map(|law| law.map(Law::Npfg)),
         };
         laws.into_iter()

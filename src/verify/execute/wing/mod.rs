@@ -66,7 +66,7 @@
 //! leg, with `s = min(e / b, 1)`, the course is turned from the leg towards it by 90 degrees less `90 (1 - s)^2`. Before
 //! the beginning of the leg, and further than `NPFG_SW_DST_MLT b` (0.32) from it, it is that to the beginning. The
 //! heading that makes this course in the wind at the speed through the air `a` is turned to by `0.8885 a sin(error)`, an
-//! error of 90 degrees at most, by a bank of `FW_R_LIM` at most, or else that of the load factor. The bank follows within
+//! error of 90 degrees at most (of more than 150 degrees to either side: one way to the left and one to the right is judged), by a bank of `FW_R_LIM` at most, or else that of the load factor. The bank follows within
 //! 0.5 s, and 0.95 of what it gives turns the wing. It takes the next leg abeam of the end of one, or within
 //! `NAV_ACC_RAD` (10 m) of that; from version 1.18 on a second way is judged that takes it within `NPFG_SW_DST_MLT b` of the
 //! speed of the leg, if that is more. The rest is as under the L1 law, without an integral.

@@ -17,6 +17,9 @@ const SWITCHES_EARLY: Version = Version {
     minor: 18,
 };
 
+/// Where the heading is further off than this, PX4 may turn either way: in the wind it goes through 180 degrees, radians.
+const EITHER_WAY_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
+
 /// What steers a wing of PX4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Npfg {
@@ -28,6 +31,8 @@ pub(super) struct Npfg {
     accept_m: f64,
     /// Takes the next leg within the switch distance already.
     early: bool,
+    /// Turns to the left (1) or to the right (-1) where it may turn either way.
+    side: f64,
 }
 
 impl Npfg {
@@ -41,17 +46,26 @@ impl Npfg {
             switch_share: value("NPFG_SW_DST_MLT")?,
             accept_m: value("NAV_ACC_RAD")?,
             early: false,
+            side: 1.0,
         })
     }
 
-    /// The ways in which this version takes the next leg: 1.17 was flown, later ones may take it earlier.
-    pub(super) fn variants(self, version: Option<Version>) -> [Option<Self>; 2] {
+    /// The ways in which this version may turn, and take the next leg: 1.17 was flown, later ones may take it earlier.
+    pub(super) fn variants(self, version: Option<Version>) -> [Option<Self>; 4] {
         let is_early = version.is_some_and(|version| version >= SWITCHES_EARLY);
-        let early = Self {
-            early: true,
-            ..self
+        let way = |early: bool, side: f64| {
+            (!early || is_early).then_some(Self {
+                early,
+                side,
+                ..self
+            })
         };
-        [Some(self), is_early.then_some(early)]
+        [
+            way(false, 1.0),
+            way(false, -1.0),
+            way(true, 1.0),
+            way(true, -1.0),
+        ]
     }
 
     /// So far before a waypoint the next leg is turned onto, metres.
@@ -106,8 +120,11 @@ impl Npfg {
             across_mps * bearing[0] + ahead_mps * bearing[1],
         ];
         let (sin, cos) = heading_rad.sin_cos();
-        let error_rad =
+        let mut error_rad =
             (cos * heading[1] - sin * heading[0]).atan2(cos * heading[0] + sin * heading[1]);
+        if error_rad.abs() > EITHER_WAY_RAD {
+            error_rad = self.side * error_rad.abs();
+        }
         HEADING_GAIN * air_mps * error_rad.clamp(-FRAC_PI_2, FRAC_PI_2).sin()
     }
 }
@@ -133,6 +150,7 @@ mod tests {
             switch_share: 0.32,
             accept_m: 5.0,
             early: false,
+            side: 1.0,
         };
         Guidance {
             law: Law::Npfg(npfg),
@@ -207,18 +225,33 @@ mod tests {
     #[test]
     fn a_later_version_may_turn_earlier_and_both_ways_are_judged() {
         let count = |version| guidance().variants(version).count();
-        assert_eq!(count(None), 1);
-        assert_eq!(count(Some(V1_17)), 1);
+        assert_eq!(count(None), 2);
+        assert_eq!(count(Some(V1_17)), 2);
         let later = Version { minor: 18, ..V1_17 };
         let ways: Vec<_> = guidance().variants(Some(later)).collect();
-        assert_eq!(ways.len(), 2);
+        assert_eq!(ways.len(), 4);
         let knots = knots(&[(0.0, 0.0), (600.0, 0.0), (600.0, 600.0)]);
         let furthest_m = |way: &Guidance| {
             let fixes = way.follow(&knots, &[13.4; 2]);
             fixes.iter().map(|fix| fix.at.east_m).fold(0.0, f64::max)
         };
-        let (late_m, early_m) = (furthest_m(&ways[0]), furthest_m(&ways[1]));
+        let (late_m, early_m) = (furthest_m(&ways[0]), furthest_m(&ways[2]));
         assert!(late_m > 625.0 && early_m < 615.0, "{late_m} {early_m}");
+    }
+
+    #[test]
+    fn a_plane_that_turns_back_is_judged_turning_either_way() {
+        let knots = knots(&[(0.0, 0.0), (0.0, 766.0), (-30.0, 600.0)]);
+        let ways: Vec<_> = guidance().variants(Some(V1_17)).collect();
+        let [left, right] = [0, 1].map(|way: usize| {
+            let fixes = ways[way].follow(&knots, &[12.3, 12.3]);
+            let east_m = fixes.iter().map(|fix| fix.at.east_m);
+            east_m.fold((0.0_f64, 0.0_f64), |(low, high), at| {
+                (low.min(at), high.max(at))
+            })
+        });
+        assert!(left.0 < -40.0 && left.1 < 1.0, "{left:?}");
+        assert!(right.1 > 40.0, "{right:?}");
     }
 
     #[test]

@@ -128,14 +128,14 @@ impl Pilot<'_> {
         let Some(leg) = knots.len().checked_sub(2).filter(|leg| *leg > 0) else {
             return Ok(Vec::new());
         };
-        let fixes = guidance.follow(&knots, &ground_speeds(&knots, self.vehicle)?);
-        let off = |fix: &&Fix| fix.leg == leg && fix.cross_track_m > TOLERANCE_M;
-        Ok(fixes
-            .iter()
-            .filter(off)
-            .step_by(EVERY_STRAIGHT)
-            .map(|fix| fix.at)
-            .collect())
+        let speeds = ground_speeds(&knots, self.vehicle)?;
+        let off = |fix: &Fix| fix.leg == leg && fix.cross_track_m > TOLERANCE_M;
+        let mut turned = Vec::new();
+        for guidance in guidance.variants(self.vehicle.autopilot_version) {
+            let fixes = guidance.follow(&knots, &speeds).into_iter();
+            turned.extend(fixes.filter(off).step_by(EVERY_STRAIGHT).map(|fix| fix.at));
+        }
+        Ok(turned)
     }
 
     /// Lays a way along legs, as far as it is off them, at the altitudes of each leg and at its times.
