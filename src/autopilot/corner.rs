@@ -66,7 +66,7 @@ const JERK_MPS3: f64 = 1.0;
 /// Share of the acceleration that turns a PX4 copter: default of `MPC_XY_TRAJ_P`.
 const PX4_TURNING_SHARE: f64 = 0.5;
 /// Smaller half changes of course are none, radians.
-const LEAST_RAD: f64 = 1e-6;
+const MIN_RAD: f64 = 1e-6;
 
 /// What a copter's autopilot does at its corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +146,7 @@ impl Cornering {
     #[must_use]
     pub fn taken_m(&self, turn: &Turn) -> f64 {
         let half_rad = turn.half_rad();
-        if half_rad < LEAST_RAD {
+        if half_rad < MIN_RAD {
             return 0.0;
         }
         match self.law {
@@ -167,7 +167,7 @@ impl Cornering {
             let turning_mps2 = PX4_TURNING_SHARE * self.accel_mps2;
             return v_mps.min((turning_mps2 * taken_m / half_rad.tan()).sqrt());
         }
-        if half_rad < LEAST_RAD {
+        if half_rad < MIN_RAD {
             return v_mps;
         }
         if self.is_full(turn) {
@@ -194,7 +194,7 @@ impl Cornering {
     /// through its waypoint, without what the arc loses, and slowing down for it.
     #[must_use]
     pub fn late_s(&self, turn: &Turn, taken_m: f64) -> f64 {
-        if self.law != CornerLaw::Circle || turn.half_rad() < LEAST_RAD || taken_m <= 0.0 {
+        if self.law != CornerLaw::Circle || turn.half_rad() < MIN_RAD || taken_m <= 0.0 {
             return 0.0;
         }
         let slower = (measured::MEASURED_AT_MPS2 / self.accel_mps2).max(1.0);

@@ -11,7 +11,7 @@ const FEWEST: usize = 8;
 pub(super) const MOST: usize = 60;
 /// Most vehicles of a crowd that are planned one by one where no plan as a whole is found: each is
 /// then planned around nearly all others, round after round.
-pub(super) const MOST_ONE_BY_ONE: usize = 14;
+pub(super) const MAX_ONE_BY_ONE: usize = 14;
 /// Others that each vehicle of a crowd meets, on average.
 const MET: usize = 5;
 

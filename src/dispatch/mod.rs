@@ -277,7 +277,7 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let is_crowd = crowd::is_crowd(job.spec, job.world);
     if is_crowd {
         let found = planned_together(job);
-        let ends = |found: &Dispatched| found.review.passes() || count > crowd::MOST_ONE_BY_ONE;
+        let ends = |found: &Dispatched| found.review.passes() || count > crowd::MAX_ONE_BY_ONE;
         if let Some(mut found) = found.filter(ends) {
             found.name_those_too_near(job.spec);
             return found;

@@ -24,7 +24,7 @@ const MOVES_A_PAIR: usize = 6;
 const AT_RANDOM: usize = 80;
 /// Variants of vehicles that are in conflict with all of their first ones, at most: the pairs that
 /// are left then stay.
-const MOST_SEARCHED: usize = 20_000;
+const MAX_SEARCHED: usize = 20_000;
 /// What each move of a vehicle makes a conflict with it weigh more.
 const HEAVIER: f64 = 1.0;
 
@@ -101,7 +101,7 @@ impl<'a> Fleet<'a> {
             let Some(&(first, second)) = pairs.first() else {
                 break;
             };
-            if self.searched > MOST_SEARCHED {
+            if self.searched > MAX_SEARCHED {
                 break;
             }
             // The vehicle of lower priority gives way, where both can at the same cost.

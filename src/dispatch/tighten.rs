@@ -21,7 +21,7 @@ pub(super) struct Strictness {
 /// Added to a missing distance, so that the next round does not fail by rounding, metres.
 const EXTRA_M: f64 = 1.0;
 /// The same where little of a separation is missing.
-const LEAST_EXTRA_M: f64 = 0.1;
+const MIN_EXTRA_M: f64 = 0.1;
 /// So little of a separation is found without a time shift, metres.
 const SLIGHT_M: f64 = 0.5;
 /// Buffer of copters in the first round, metres.
@@ -29,7 +29,7 @@ const NEAREST_M: f64 = 0.5;
 /// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
 const OVER_TERRAIN_M: f64 = 1.5;
 /// The least that is added to a small buffer: height above ground costs all along the path.
-const LEAST_MORE_M: f64 = 0.25;
+const MIN_MORE_M: f64 = 0.25;
 /// How much further from its limits a path is moved that needs too many items.
 const FURTHER: f64 = 3.0;
 /// Least step of a margin that is a fraction.
@@ -142,7 +142,7 @@ impl Strictness {
         let fraction = (1.2 * missing / margin.bound.abs().max(1e-9)).clamp(MIN_FRACTION, 0.2);
         match repair {
             Repair::Clearance => {
-                let more_m = missing + (0.5 * margins.clearance_m).clamp(LEAST_MORE_M, EXTRA_M);
+                let more_m = missing + (0.5 * margins.clearance_m).clamp(MIN_MORE_M, EXTRA_M);
                 margins.clearance_m = raised_m(margins.clearance_m, more_m, spec);
             }
             Repair::Height => {
@@ -150,7 +150,7 @@ impl Strictness {
             }
             Repair::Obstacle => {
                 // One path may break more limits at one place, which need no more together.
-                let more_m = missing + (0.5 * before.threat_m).clamp(LEAST_MORE_M, EXTRA_M);
+                let more_m = missing + (0.5 * before.threat_m).clamp(MIN_MORE_M, EXTRA_M);
                 let raised_m = raised_m(before.threat_m, more_m, spec);
                 margins.threat_m = margins.threat_m.max(raised_m);
             }
@@ -167,7 +167,7 @@ impl Strictness {
                     // what is added begins small, and doubles.
                     _ => {
                         let added_m = margins.separation_m - first_separation_m(spec);
-                        let more_m = missing.max(added_m).clamp(LEAST_EXTRA_M, EXTRA_M);
+                        let more_m = missing.max(added_m).clamp(MIN_EXTRA_M, EXTRA_M);
                         margins.separation_m += missing + more_m;
                     }
                 }

@@ -31,7 +31,7 @@ pub struct Chains {
 }
 
 /// Capsules from which the shortest closed chain is looked for, at most.
-const MOST_ROOTS: usize = 16;
+const MAX_ROOTS: usize = 16;
 
 impl Capsule {
     /// A disc.
@@ -152,7 +152,7 @@ impl Chains {
         let mut best: Option<Vec<usize>> = None;
         let mut closed = 0;
         for root in crossing {
-            if has_none[root] || closed >= MOST_ROOTS {
+            if has_none[root] || closed >= MAX_ROOTS {
                 continue;
             }
             match self.odd_chain(&divide, root) {

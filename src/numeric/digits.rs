@@ -3,7 +3,7 @@
 /// From here on a number is written with a power of ten.
 const HUGE: f64 = 1e15;
 /// Digits after the point beyond which nobody reads.
-const MOST_DIGITS: usize = 9;
+const MAX_DIGITS: usize = 9;
 
 /// A number with the digits it has; a huge one with a power of ten.
 #[must_use]
@@ -26,7 +26,7 @@ pub fn distinct_from(value: f64, limit: f64, digits: usize) -> String {
         Ok(read) => (read < limit) == (value < limit) && (read > limit) == (value > limit),
         Err(_) => false,
     };
-    (digits..=MOST_DIGITS)
+    (digits..=MAX_DIGITS)
         .map(|digits| format!("{value:.digits$}"))
         .find(differs)
         .unwrap_or_else(|| plain(value))

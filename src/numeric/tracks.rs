@@ -9,7 +9,7 @@ use super::approach::{Segment, Whole, are_surely_apart, closest_approach, closes
 use super::cells::{Cells, Extent};
 
 /// Most motions that share a box, and fewest that are split once more.
-const MOST_OF_RUN: usize = 64;
+const MAX_OF_RUN: usize = 64;
 const SPLIT: usize = 8;
 /// Motions share a box where they are that near to one motion over all of them, metres.
 const STRAIGHT_M: f64 = 8.0;
@@ -93,7 +93,7 @@ impl Run {
             let whole = Whole::over(segments);
             whole.off_m.max(whole.off_up_m) <= STRAIGHT_M
         };
-        if segments.len() <= SPLIT || segments.len() <= MOST_OF_RUN && is_straight() {
+        if segments.len() <= SPLIT || segments.len() <= MAX_OF_RUN && is_straight() {
             runs.push(Self::around(first, segments));
             return;
         }

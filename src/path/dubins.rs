@@ -45,7 +45,7 @@ const WORDS: [[Move; 3]; 6] = [
 ];
 
 /// Turns below this change no course that matters, radians.
-const LEAST_TURN_RAD: f64 = 1e-4;
+const MIN_TURN_RAD: f64 = 1e-4;
 /// How near a way must end to where it should, in radii.
 const CLOSE: f64 = 1e-6;
 
@@ -63,7 +63,7 @@ pub fn turns(from: Pose, to: Pose, radius_m: f64) -> Turns {
     let mut state = start;
     let mut corners = Vec::new();
     for (step, length) in word.iter().zip(lengths) {
-        if *step != Straight && length > LEAST_TURN_RAD {
+        if *step != Straight && length > MIN_TURN_RAD {
             let pieces = (length / FRAC_PI_2).ceil().max(1.0);
             let piece = length / pieces;
             let mut left = length;

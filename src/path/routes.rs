@@ -6,7 +6,7 @@ use crate::spec::{Finish, Vehicle};
 use crate::world::Stations;
 
 /// A return that is shorter than this is none: the vehicle is over home, metres.
-const LEAST_RETURN_M: f64 = 10.0;
+const MIN_RETURN_M: f64 = 10.0;
 
 /// Where the routes of a vehicle begin and end: at start, stops and goal, and with
 /// [`Finish::Return`] over home. Route `k` begins at stop `k - 1`.
@@ -17,7 +17,7 @@ pub fn route_ends(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, Pla
     ends.push(stations.goal);
     if vehicle.finish == Finish::Return {
         let home = homeward_end(vehicle, stations);
-        let is_home = home.at.distance_m(stations.goal.at) < LEAST_RETURN_M;
+        let is_home = home.at.distance_m(stations.goal.at) < MIN_RETURN_M;
         if stations.stops.is_empty() || !is_home {
             ends.push(home);
         }

@@ -22,7 +22,7 @@ const LONGEST_WAIT: Duration = Duration::from_millis(20);
 const LIVED_MS: u64 = 100;
 /// Most ground stations that are answered at once; one more takes the place of the
 /// one that was silent for longest.
-const MOST_PARTNERS: usize = 16;
+const MAX_PARTNERS: usize = 16;
 
 /// What a simulated vehicle is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -245,7 +245,7 @@ impl Server {
     }
 
     fn receive(&mut self, now: Time, from: SocketAddr, bytes: &[u8]) {
-        if !self.partners.contains_key(&from) && self.partners.len() >= MOST_PARTNERS {
+        if !self.partners.contains_key(&from) && self.partners.len() >= MAX_PARTNERS {
             let silent = self.partners.iter().min_by_key(|(_, other)| other.heard);
             if let Some(silent) = silent.map(|(address, _)| *address) {
                 self.partners.remove(&silent);

@@ -50,10 +50,10 @@ pub use issue::{Issue, SpecError};
 pub use keys::{Action, AlarmKind, Answer, OnAlarm, Pattern, Who};
 pub(crate) use model::BufferedLimit;
 pub use model::{
-    Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MAX_TASKS,
-    MOST_CONTROL_POINTS, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally,
-    SearchPattern, Sensor, Separation, Sweep, SweepShape, THREAT_RADIUS_M, Task, TerrainSource,
-    Threat, Weights, elevation_command,
+    Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MAX_CONTROL_POINTS,
+    MAX_TASKS, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, SearchPattern,
+    Sensor, Separation, Sweep, SweepShape, THREAT_RADIUS_M, Task, TerrainSource, Threat, Weights,
+    elevation_command,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;

@@ -261,7 +261,7 @@ impl Separation {
 }
 
 /// Most free control points of a spline.
-pub const MOST_CONTROL_POINTS: usize = 30;
+pub const MAX_CONTROL_POINTS: usize = 30;
 
 /// How paths are searched.
 #[derive(Clone, Debug, PartialEq)]

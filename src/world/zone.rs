@@ -35,9 +35,9 @@ struct OpenSpace {
 }
 
 /// Share of an open space that the margin to either side of it takes at most.
-const MOST_OF_SPACE: f64 = 0.4;
+const MAX_OF_SPACE: f64 = 0.4;
 /// Lower spaces are none: what parts of a threat with a shape have between them.
-const LEAST_SPACE_M: f64 = 0.5;
+const MIN_SPACE_M: f64 = 0.5;
 
 /// From where up a zone is closed over a terrain: lower by as much as that may stand above the ground, where it is
 /// measured from there. A ceiling is not lower than the true one over such a terrain.
@@ -122,7 +122,7 @@ impl PlanZone {
             (Placement::Agl(floor), Placement::Agl(ceiling)) => floor.0 - ceiling.0,
             _ => return None,
         };
-        (is_over && height_m > LEAST_SPACE_M).then_some(height_m)
+        (is_over && height_m > MIN_SPACE_M).then_some(height_m)
     }
 
     /// The same zone, closed within a distance of it as well, and by as much more above and below
@@ -251,7 +251,7 @@ impl PlanZone {
     /// left below `max_amsl`, so that as much is left above the path, and less of what is left
     /// below another zone.
     pub(crate) fn margin_over_m(&self, over_m: f64, max_amsl: Amsl) -> f64 {
-        let over_m = over_m.min(MOST_OF_SPACE * self.open.over_m);
+        let over_m = over_m.min(MAX_OF_SPACE * self.open.over_m);
         match self.ceiling {
             Some(Placement::Amsl(top)) if top <= max_amsl => {
                 let left_m = max_amsl.0 - top.0;
@@ -268,7 +268,7 @@ impl PlanZone {
             Some(Placement::Agl(floor)) if self.buffer_m > 0.0 => floor.0 - above.0,
             _ => f64::INFINITY,
         };
-        let left_m = over_ground_m.min(MOST_OF_SPACE * self.open.under_m);
+        let left_m = over_ground_m.min(MAX_OF_SPACE * self.open.under_m);
         under_m.min(left_m.max(0.0))
     }
 

@@ -7,7 +7,7 @@ use super::conflicts::{Choice, Conflicts, Flown};
 use super::moves::Ruled;
 
 /// Most groups.
-const MOST_GROUPS: usize = 3;
+const MAX_GROUPS: usize = 3;
 /// How far paths are bent, in separations: as far as the first without a conflict.
 const ASIDE: [f64; 14] = [
     0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.6, 3.3, 4.2, 5.5, 8.0, 12.0, 15.0, 18.0,
@@ -67,7 +67,7 @@ fn rules(can_wait: bool) -> Vec<Rule> {
         side: 1.0,
     };
     let mut rules = vec![one, Rule { side: -1.0, ..one }];
-    for groups in 2..=MOST_GROUPS {
+    for groups in 2..=MAX_GROUPS {
         for members in [Members::Alike, Members::Alternate] {
             let height = Rule {
                 groups,

@@ -23,7 +23,7 @@ pub(super) type Choice = Vec<usize>;
 const FLYING: usize = 20;
 const FLYING_A_WING: usize = 400;
 /// Most flights that are remembered: the others are flown again when they are needed.
-const MOST_FLIGHTS: usize = 2000;
+const MAX_FLIGHTS: usize = 2000;
 
 /// The variants of a fleet, and what has been judged of them.
 pub(super) struct Conflicts<'a> {
@@ -218,7 +218,7 @@ impl<'a> Conflicts<'a> {
 
     /// Flies those whose flights are not there. What cannot be encoded cannot fly.
     fn fly(&mut self, all: &[Flown]) {
-        if self.flights.len() > MOST_FLIGHTS {
+        if self.flights.len() > MAX_FLIGHTS {
             self.flights.clear();
         }
         let all = all.par_iter().copied();

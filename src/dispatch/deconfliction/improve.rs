@@ -11,32 +11,32 @@ use super::conflicts::{Choice, Flown};
 use super::search::{Search, others};
 
 /// Most work, in pairs judged.
-const MOST_WORK: usize = 300_000;
+const MAX_WORK: usize = 300_000;
 /// Most rounds of all that is tried.
-const MOST_ROUNDS: usize = 12;
+const MAX_ROUNDS: usize = 12;
 /// The last round makes the fleet cheaper by less than this share.
 const ENOUGH: f64 = 5e-4;
 /// Groups that are tried for a cheaper fleet, for each vehicle, and most of them in one round.
 const GROUPS: usize = 6;
-const MOST_GROUPED: usize = 120;
+const MAX_GROUPED: usize = 120;
 /// Most vehicles of a group.
 const GROUP: usize = 4;
 /// Shares by which all paths are drawn together.
 const TOGETHER: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 /// Cheaper variants of a vehicle that others may give way to, and most that give way.
 const PUSHED: usize = 8;
-const MOST_IN_THE_WAY: usize = 3;
+const MAX_IN_THE_WAY: usize = 3;
 /// Variants near to the present one that a vehicle gets.
 const NEAR: usize = 6;
 
 impl Search<'_, '_> {
     /// Makes a fleet without a conflict cheaper, as long as it pays.
     pub(super) fn improve(&mut self, choice: &mut Choice) {
-        let end = self.conflicts.work() + MOST_WORK;
-        for _ in 0..MOST_ROUNDS {
+        let end = self.conflicts.work() + MAX_WORK;
+        for _ in 0..MAX_ROUNDS {
             let before = self.cost(choice);
             self.draw_together(choice);
-            for _ in 0..(GROUPS * choice.len()).min(MOST_GROUPED) {
+            for _ in 0..(GROUPS * choice.len()).min(MAX_GROUPED) {
                 if self.conflicts.work() > end {
                     break;
                 }
@@ -130,7 +130,7 @@ impl Search<'_, '_> {
             let new = (first, variant);
             let is_met = |other: &&Flown| self.conflicts.are_in_conflict(new, **other);
             let met: Vec<usize> = all.iter().filter(is_met).map(|other| other.0).collect();
-            if met.len() > MOST_IN_THE_WAY {
+            if met.len() > MAX_IN_THE_WAY {
                 continue;
             }
             for &other in &met {

@@ -43,7 +43,7 @@ pub(super) struct Ruled {
 }
 
 /// Most that a path sways to either side, in separations.
-const MOST_SWAY: f64 = 4.0;
+const MAX_SWAY: f64 = 4.0;
 
 /// Shares of the way to a cheaper shape that are tried.
 const SHARES: [f64; 4] = [0.7, 0.4, 0.2, 0.08];
@@ -114,7 +114,7 @@ pub(super) fn random(shape: &Shape, separation: &Separation, rng: &mut ChaCha8Rn
         peak: rng.random_range(0.2..0.8),
         up_m: is(rng, 0.7) * rng.random_range(RAISED[0]..RAISED[RAISED.len() - 1]) * up_m,
         raised: (rng.random_range(0.25..0.75), rng.random_range(0.05..0.35)),
-        sway_m: is(rng, 0.5) * rng.random_range(-MOST_SWAY..MOST_SWAY) * side_m,
+        sway_m: is(rng, 0.5) * rng.random_range(-MAX_SWAY..MAX_SWAY) * side_m,
     };
     moved(
         shape,

@@ -21,7 +21,7 @@ const CHUNK: usize = 16;
 const MORE: usize = 8;
 
 /// Most work until no conflict is left, and after it for a cheaper fleet, in pairs judged.
-const MOST_REPAIR: usize = 400_000;
+const MAX_REPAIR: usize = 400_000;
 
 pub(super) struct Search<'s, 'a> {
     pub(super) conflicts: &'s mut Conflicts<'a>,
@@ -92,7 +92,7 @@ impl<'s, 'a> Search<'s, 'a> {
             if best.as_ref().is_none_or(|(_, least)| left < *least) {
                 best = Some((choice, left));
             }
-            if left == 0 || self.conflicts.work() > MOST_REPAIR {
+            if left == 0 || self.conflicts.work() > MAX_REPAIR {
                 break;
             }
         }
@@ -165,7 +165,7 @@ impl<'s, 'a> Search<'s, 'a> {
         let mut pairs = self.pairs(choice);
         let mut best = (pairs.len(), choice.clone());
         for _ in 0..REPAIRS * choice.len() {
-            if pairs.is_empty() || self.conflicts.work() > MOST_REPAIR {
+            if pairs.is_empty() || self.conflicts.work() > MAX_REPAIR {
                 break;
             }
             let (a, b) = pairs[self.rng.random_range(0..pairs.len())];

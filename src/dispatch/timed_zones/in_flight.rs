@@ -19,7 +19,7 @@ use crate::world::{OwnWorld, PlanZone, World};
 /// Most plans of a fleet.
 const MOST: usize = 8;
 /// A vehicle departs at another time for one path, and once more for the next.
-const MOST_DEPARTURES: usize = 3;
+const MAX_DEPARTURES: usize = 3;
 /// Beyond what the verdict needs, seconds.
 const SPARE_S: f64 = 1.0;
 /// A flight is looked at in steps of this length, metres.
@@ -129,7 +129,7 @@ impl Choice {
             let specified = &job.spec.vehicles[vehicle];
             let flight = flown.iter().find(|of| of.vehicle == specified.id);
             let open = flight
-                .filter(|_| self.departures[vehicle] < MOST_DEPARTURES)
+                .filter(|_| self.departures[vehicle] < MAX_DEPARTURES)
                 .zip(specified.retiming.depart_s)
                 .and_then(|(flight, window)| {
                     let zones = self.open[vehicle]

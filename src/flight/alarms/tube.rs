@@ -17,7 +17,7 @@ use crate::spec::{Airframe, AlarmKind, Vehicle};
 pub(super) const LATE_ERROR_S: f64 = 3.0;
 /// How fast a vehicle gets on is measured over this time, seconds, and is at least this share of planned.
 const PACE_S: f64 = 10.0;
-const LEAST_PACE: f64 = 0.1;
+const MIN_PACE: f64 = 0.1;
 /// Legs this much farther than the nearest may be the one that is flown, metres.
 const ALIKE_M: f64 = 10.0;
 /// A vehicle that is nearer than this to a waypoint may stand still, metres.
@@ -93,7 +93,7 @@ impl TubeWatch {
         if !self.is_late || lasted_s < 0.8 * PACE_S {
             return 1.0;
         }
-        (1.0 - (last.1 - first.1) / lasted_s).clamp(LEAST_PACE, 1.0)
+        (1.0 - (last.1 - first.1) / lasted_s).clamp(MIN_PACE, 1.0)
     }
 
     fn remember(&mut self, t_s: f64, late_s: Option<f64>) {

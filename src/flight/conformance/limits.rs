@@ -19,7 +19,7 @@ const GROUNDED_M: f64 = 1.0;
 
 /// Between two positions a zone is looked for in steps of this length, metres, and in no more steps.
 const STEP_M: f64 = 2.0;
-const MOST_STEPS: f64 = 200.0;
+const MAX_STEPS: f64 = 200.0;
 
 pub(crate) fn moment(fix: &Fix) -> Moment {
     Moment {
@@ -160,7 +160,7 @@ impl FlownTrack<'_> {
             );
             is_closed(zone, world, mix(fix.t_s, then.t_s, share), point)
         };
-        let steps = (from.distance_m(to) / STEP_M).ceil().min(MOST_STEPS);
+        let steps = (from.distance_m(to) / STEP_M).ceil().min(MAX_STEPS);
         let mut step = 1.0;
         // The next position counts itself.
         while step < steps {

@@ -11,7 +11,7 @@ const CONFIRMING_MS: u64 = 10_000;
 /// spin-up and the ramp of the thrust of PX4 (`COM_SPOOLUP_TIME`, `MPC_TKO_RAMP_T`: 1 and 3 s).
 const LIFTOFF_S: f64 = 5.0;
 /// Vehicles are armed again this often before nothing is started.
-const MOST_AGAIN: u8 = 6;
+const MAX_AGAIN: u8 = 6;
 
 /// Vehicles that are not ready are named after this time, then again after each interval, milliseconds.
 pub(super) const FIRST_MS: u64 = 10_000;
@@ -173,7 +173,7 @@ impl Fleet<'_> {
     fn arm_again(&mut self, now: Time, (until, again): (Time, u8)) -> bool {
         let flight_ms = self.flight_ms(now);
         // The time of simulated vehicles may go on faster than they are answered.
-        let is_hurried = self.options.speedup > 1.0 && again >= MOST_AGAIN / 2;
+        let is_hurried = self.options.speedup > 1.0 && again >= MAX_AGAIN / 2;
         let for_s = if is_hurried {
             0.2 * LIFTOFF_S
         } else {
@@ -196,7 +196,7 @@ impl Fleet<'_> {
         let why: Vec<(String, String)> = old_ones
             .map(|of| (of.of.vehicle.to_owned(), words(of)))
             .collect();
-        if again >= MOST_AGAIN {
+        if again >= MAX_AGAIN {
             self.abandon(now, why);
             return true;
         }

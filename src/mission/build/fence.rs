@@ -242,13 +242,13 @@ fn circle(center: LatLon, radius_m: f64) -> Item {
 }
 
 /// Zones that the fence leaves out have a sentence each up to this number.
-const MOST_SENTENCES: usize = 8;
+const MAX_SENTENCES: usize = 8;
 
 /// What the fence leaves out, one sentence for each zone or dome, or for all of many zones: fences are
 /// two-dimensional.
 fn not_encoded(spec: &MissionSpec) -> Vec<String> {
     let left_out = || spec.no_fly.iter().filter(|zone| !is_encoded(zone));
-    let are_many = left_out().filter(|zone| dome_of(zone).is_none()).count() > MOST_SENTENCES;
+    let are_many = left_out().filter(|zone| dome_of(zone).is_none()).count() > MAX_SENTENCES;
     let (many, each): (Vec<&Zone>, Vec<&Zone>) =
         left_out().partition(|zone| are_many && dome_of(zone).is_none());
     let sentence = |zone: &Zone| match (dome_of(zone), zone.is_closed_throughout()) {

@@ -18,7 +18,7 @@ const REACHES_M: [f64; 4] = [100.0, 300.0, 900.0, 2700.0];
 
 /// Share of a reach that counts, and least reach as a share of the way.
 const COUNTED: f64 = 0.9;
-const LEAST_REACH: f64 = 0.01;
+const MIN_REACH: f64 = 0.01;
 
 /// A zone that can be flown over, and not under.
 pub(super) struct Lid {
@@ -67,7 +67,7 @@ impl Climbs {
         let (before_m, behind_m) = (away_m(from), away_m(to));
         // The objective reads altitudes at samples: what lies between the last two of a reach is
         // not counted.
-        let least_m = LEAST_REACH * from.at.distance_m(to.at);
+        let least_m = MIN_REACH * from.at.distance_m(to.at);
         let of_reach = |&(reach_m, height_m): &(f64, f64)| {
             // The height falls along the path at the slope, down to where nothing is known.
             let side = |slope: f64, way_m: f64| {

@@ -6,7 +6,7 @@ use crate::cost::Margins;
 use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
 use crate::plan::fleet::{Planning, Request};
-use crate::spec::{MOST_CONTROL_POINTS, MissionSpec, Vehicle};
+use crate::spec::{MAX_CONTROL_POINTS, MissionSpec, Vehicle};
 use crate::world::World;
 
 /// Changes with which, all together and all else as it is, a path that keeps every limit was
@@ -95,7 +95,7 @@ fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Vec<Relaxation>>> {
     let bends = spec.planner.control_points;
     let mut numbers = Vec::new();
     for count in [2 * bends, bends / 2] {
-        let count = count.min(MOST_CONTROL_POINTS);
+        let count = count.min(MAX_CONTROL_POINTS);
         if count > 2 && count != bends {
             numbers.push(vec![Relaxation(vec![Change::ControlPoints(count)])]);
         }
@@ -115,7 +115,7 @@ fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Vec<Relaxation>>> {
         let alone = changes.iter().map(|change| vec![*change]);
         let bent = changes
             .iter()
-            .map(|change| vec![*change, Change::ControlPoints(MOST_CONTROL_POINTS)]);
+            .map(|change| vec![*change, Change::ControlPoints(MAX_CONTROL_POINTS)]);
         vec![
             alone.map(Relaxation).collect(),
             bent.map(Relaxation).collect(),

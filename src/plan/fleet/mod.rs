@@ -53,7 +53,7 @@ use prioritised::Fleet;
 use repair::repaired;
 
 /// Most vehicles of a fleet that is planned again in priority order.
-const MOST_IN_ORDER: usize = 100;
+const MAX_IN_ORDER: usize = 100;
 
 /// What to plan besides the spec.
 pub struct Request<'a> {
@@ -246,7 +246,7 @@ pub fn replan(
 ) -> FleetPlan {
     let planning = Planning::new(spec, world, request);
     let is_whole = previous.vehicles.len() == spec.vehicles.len();
-    let is_large = is_whole && spec.vehicles.len() > MOST_IN_ORDER;
+    let is_large = is_whole && spec.vehicles.len() > MAX_IN_ORDER;
     let mut plan = match is_large && spec.planner.objective != Objective::Paper {
         true => FleetPlan {
             seed: request.seed,

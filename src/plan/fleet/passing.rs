@@ -24,7 +24,7 @@ const LEAD_OUT: f64 = 1.0;
 /// How much of a route is flown otherwise at most, in turn radii beyond the straight part.
 const REACHES: [f64; 6] = [1.0, 2.0, 4.0, 6.0, 9.0, 14.0];
 /// Most of a route that is flown otherwise, of its length.
-const MOST_SHARE: f64 = 0.45;
+const MAX_SHARE: f64 = 0.45;
 /// Between places that are looked at, metres.
 const STEP_M: f64 = 10.0;
 /// What a metre costs where it breaks a limit, in metres.
@@ -141,7 +141,7 @@ impl Planning<'_> {
         let length_m = length_m(side.points);
         let mut best: Option<Ending> = None;
         for reach in REACHES {
-            let cut_m = (side.lead_m + reach * radius_m).min(MOST_SHARE * length_m);
+            let cut_m = (side.lead_m + reach * radius_m).min(MAX_SHARE * length_m);
             let (mut points, from_rad) = cut(side.points, cut_m)?;
             let from = *points.last()?;
             // Of a route from the stop all courses are those of the way back.
@@ -151,7 +151,7 @@ impl Planning<'_> {
                 course_rad + 0.5 * TAU
             };
             let pose = |at, heading_rad| Pose { at, heading_rad };
-            let lead_m = side.lead_m.min(MOST_SHARE * length_m);
+            let lead_m = side.lead_m.min(MAX_SHARE * length_m);
             let mut turns = turns_sampled(
                 pose(from.at, from_rad),
                 pose(along(stop.at, course_rad, -lead_m), course_rad),

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::vehicle::sum;
-use super::{MOST_IN_ORDER, Planning};
+use super::{MAX_IN_ORDER, Planning};
 use crate::cost::{Batch, CostTerms, EarlierFlights, Margins, RouteEnds};
 use crate::numeric::tracks::{Track, Tracks};
 use crate::path::{TimedPoint, route_start_s, time_route, way_speed_mps};
@@ -94,7 +94,7 @@ impl Planning<'_> {
             let choices = choices(vehicle, &ways, count);
             choices.par_iter().find_map_first(free)
         };
-        let is_large = self.spec.vehicles.len() > MOST_IN_ORDER;
+        let is_large = self.spec.vehicles.len() > MAX_IN_ORDER;
         first(DEPARTURES).or_else(|| is_large.then(|| first(MORE_DEPARTURES)).flatten())
     }
 

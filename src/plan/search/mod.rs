@@ -30,7 +30,7 @@ use crate::optimize::{
     Algorithm, Candidate, Evaluator, MIN_RELAXED_BUDGET, MsfoaParameters, SearchSeed, SearchSeeds,
     TracePoint, minimise,
 };
-use crate::spec::{self, MOST_CONTROL_POINTS};
+use crate::spec::{self, MAX_CONTROL_POINTS};
 use crate::world::World;
 use fit::{Fitter, Line, Warp};
 use problem::{Horizontal, Sampled};
@@ -428,7 +428,7 @@ pub(super) fn straight(context: &RouteContext<'_>) -> Found {
         clippy::cast_sign_loss,
         reason = "limited to the range before"
     )]
-    let free = (pieces as usize).clamp(FEWEST, MOST_CONTROL_POINTS);
+    let free = (pieces as usize).clamp(FEWEST, MAX_CONTROL_POINTS);
     #[expect(clippy::cast_precision_loss, reason = "few control points")]
     let point = |number: usize| {
         let share = number as f64 / (free + 1) as f64;

@@ -28,7 +28,7 @@ const MAX_CONTROLS: usize = 120;
 /// Spans of a straight line.
 const SPANS: f64 = 20.0;
 /// Least distance of control points around a bend, metres, and most, as a share of the legs.
-const LEAST_BEND_M: f64 = 8.0;
+const MIN_BEND_M: f64 = 8.0;
 const BEND_SHARE: f64 = 0.3;
 /// Distance of control points around a bend, in turn radii and radians: a spline bends twice as
 /// wide as it has to.
@@ -147,7 +147,7 @@ fn bend([before, at, after]: [EastNorth; 3], radius_m: f64) -> [EastNorth; 3] {
     let apart_m = toward(before, into_m, 1.0).distance_m(toward(after, out_m, 1.0));
     let turn_rad = 2.0 * (0.5 * apart_m).clamp(0.0, 1.0).acos();
     let near_m = (WIDE * turn_rad * radius_m)
-        .max(LEAST_BEND_M)
+        .max(MIN_BEND_M)
         .min(BEND_SHARE * into_m.min(out_m));
     let (first, last) = (toward(before, into_m, near_m), toward(after, out_m, near_m));
     // A spline passes its control points by a sixth of the second difference.

@@ -24,7 +24,7 @@ const MAX_CONTROLS: usize = 200;
 const HALVINGS: usize = 3;
 /// Spans are no shorter than this, metres, than the turn radius, and than these cells of the
 /// ground.
-const LEAST_SPAN_M: f64 = 25.0;
+const MIN_SPAN_M: f64 = 25.0;
 const SPAN_CELLS: f64 = 1.0;
 /// Fewest evaluations of each route of a fleet of more vehicles than this.
 const MIN_EVALUATIONS: usize = 10_000;
@@ -32,7 +32,7 @@ const FEW_VEHICLES: usize = 10;
 /// Less than this share of the cost is not worth the work.
 const GAIN: f64 = 1e-4;
 /// Where climbs and altitude cost no more than this share, nothing is tried.
-const LEAST_SHARE: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 /// Share of the mission items allowed that the bends of a vehicle's routes may need: takeoff, turns
 /// and landing need others.
 const ITEM_SHARE: f64 = 0.6;
@@ -93,7 +93,7 @@ pub(super) fn is_for_polish(context: &RouteContext<'_>) -> bool {
 fn is_worth_it(context: &RouteContext<'_>, found: &Found) -> bool {
     let plane_km = length_m(&plane(&found.spline)) / 1000.0;
     let climbs = found.terms.length - context.spec.planner.weights.length * plane_km;
-    climbs + found.terms.altitude > LEAST_SHARE * found.terms.total()
+    climbs + found.terms.altitude > MIN_SHARE * found.terms.total()
 }
 
 /// How often the spans of a spline are halved. Lids of zones are not read from the grid of the
@@ -105,7 +105,7 @@ fn halvings(context: &RouteContext<'_>, spline: &Spline) -> usize {
     };
     let least_m = cells_m
         .max(VehicleLimits::of(context.vehicle()).turn_radius_m)
-        .max(LEAST_SPAN_M);
+        .max(MIN_SPAN_M);
     let length_m = length_m(&plane(spline));
     let mut spans = spline.east_m.len() - 3;
     let mut halvings = 0;

@@ -8,7 +8,7 @@ const GAIN: f64 = 0.8;
 /// Share of the acceleration that is planned with; the rest is for what comes in between.
 const SHARE: f64 = 0.7;
 /// No corner is passed more slowly, m/s.
-const LEAST_CORNER_MPS: f64 = 0.3;
+const MIN_CORNER_MPS: f64 = 0.3;
 /// Legs shorter than this across go straight up or down, metres.
 pub(crate) const UPRIGHT_M: f64 = 0.5;
 
@@ -69,7 +69,7 @@ pub(crate) fn corner_mps(half_turn_rad: f64, speed_mps: f64, limits: &Limits) ->
     };
     limits.cornering.map_or_else(
         || (2.0 * limits.corner_accel_mps2 * limits.corner_cut_m).sqrt() / sin,
-        |law| law.least_mps(&turn).max(LEAST_CORNER_MPS),
+        |law| law.least_mps(&turn).max(MIN_CORNER_MPS),
     )
 }
 

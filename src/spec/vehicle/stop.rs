@@ -12,11 +12,11 @@ use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
 /// rest instead of cutting the corner.
-const LEAST_REST_S: f64 = 1.0;
+const MIN_REST_S: f64 = 1.0;
 
 /// A copter that turns its nose there rests at least this long: 1 s to come to rest, and 180 degrees
 /// at 45 degrees a second.
-const LEAST_TURN_S: f64 = 5.0;
+const MIN_TURN_S: f64 = 5.0;
 
 /// Time for an action to begin, seconds: ArduPilot runs commands one after the other while it holds
 /// at the waypoint after them, and drops those that have not run when that hold ends.
@@ -77,8 +77,8 @@ impl Stop {
     #[must_use]
     pub fn rest_s(&self) -> f64 {
         let least_s = match self.heading_rad {
-            Some(_) => LEAST_TURN_S,
-            None => LEAST_REST_S,
+            Some(_) => MIN_TURN_S,
+            None => MIN_REST_S,
         };
         let count = u32::try_from(self.actions.len()).unwrap_or(u32::MAX);
         let acting_s = match count {
@@ -274,7 +274,7 @@ impl Vehicle {
     fn dropping_s(&self, stop: &Stop) -> f64 {
         match stop.drop_m > 0.0 {
             true => {
-                2.0 * LEAST_REST_S + stop.drop_m * (1.0 / self.descent_mps + 1.0 / self.climb_mps)
+                2.0 * MIN_REST_S + stop.drop_m * (1.0 / self.descent_mps + 1.0 / self.climb_mps)
             }
             false => 0.0,
         }

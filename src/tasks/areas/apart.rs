@@ -1,6 +1,6 @@
 //! Where neighbouring lines, or pictures, are further apart than their overlap allows.
 
-use super::seen::{Cells, Leg, MOST_ABOVE, Pass};
+use super::seen::{Cells, Leg, MAX_ABOVE, Pass};
 use crate::geodesy::EastNorth;
 use crate::spec::Sensor;
 
@@ -22,7 +22,7 @@ struct Abeam {
 pub fn far_apart(cells: &Cells, sensor: &Sensor, agl_m: f64, passes: &[Pass]) -> Vec<bool> {
     let mut abeam: Vec<Vec<Abeam>> = Vec::new();
     abeam.resize_with(cells.cells.len(), Vec::new);
-    let most_above_m = MOST_ABOVE * agl_m;
+    let most_above_m = MAX_ABOVE * agl_m;
     // The first and the last picture of a line show what lies beyond its ends.
     let beyond_m = sensor.picture_m(agl_m).unwrap_or(0.0) / 2.0;
     let reach_m = sensor.swath_m(most_above_m);

@@ -11,10 +11,10 @@ use crate::spec::{Sensor, Sweep, SweepShape};
 use crate::world::World;
 
 /// Share of an area that the lines over it show, as far as the plan knows the ground.
-const LEAST_SHARE: f64 = 0.999;
+const MIN_SHARE: f64 = 0.999;
 /// Lines are brought nearer to each other by this share at a time, and so often at most.
 const NEARER: f64 = 0.96;
-const MOST_TIMES: u32 = 12;
+const MAX_TIMES: u32 = 12;
 /// Pictures are nearer to each other than their overlap needs by this share: hills.
 const PICTURES: f64 = 0.92;
 /// Steepest slope of a line, as long as no vehicle is known.
@@ -75,7 +75,7 @@ fn over_ground(sweep: &Sweep, sensor: &Sensor, world: &World) -> Layout {
     });
     let cells = Cells::of(sweep, world);
     let mut lines_m = level_m;
-    for _ in 0..MOST_TIMES {
+    for _ in 0..MAX_TIMES {
         let spacing = Spacing {
             lines_m,
             pictures_m,
@@ -87,7 +87,7 @@ fn over_ground(sweep: &Sweep, sensor: &Sensor, world: &World) -> Layout {
         let share = cells.as_ref().map_or(1.0, |cells| {
             share_seen(sweep, sensor, (cells, world), &layout)
         });
-        if share >= LEAST_SHARE {
+        if share >= MIN_SHARE {
             return layout;
         }
         lines_m *= NEARER;

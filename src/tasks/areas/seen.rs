@@ -15,12 +15,12 @@ use crate::world::World;
 /// Cells in the narrower side of what is seen at once.
 const CELLS_PER_SIGHT: f64 = 24.0;
 /// Most cells of an area, about.
-const MOST_CELLS: f64 = 60_000.0;
+const MAX_CELLS: f64 = 60_000.0;
 /// Smallest side of a cell, metres.
-const LEAST_SIDE_M: f64 = 0.5;
+const MIN_SIDE_M: f64 = 0.5;
 /// What is seen from more than this many times the height asked for counts as not seen: pictures
 /// from there are too coarse.
-pub(super) const MOST_ABOVE: f64 = 1.5;
+pub(super) const MAX_ABOVE: f64 = 1.5;
 /// Distances of pictures may be shorter than planned by this share: rounding.
 const EPSILON: f64 = 1e-9;
 
@@ -116,7 +116,7 @@ impl Cells {
         world: &World,
     ) -> Option<Self> {
         let box_m2 = (high.0 - low.0) * (high.1 - low.1);
-        let least_m = (box_m2 / MOST_CELLS).sqrt().max(LEAST_SIDE_M);
+        let least_m = (box_m2 / MAX_CELLS).sqrt().max(MIN_SIDE_M);
         let side_m = (sight_m / CELLS_PER_SIGHT).max(least_m);
         let middles = |low: f64, high: f64| {
             let count = whole((high - low) / side_m) + 1;
@@ -215,7 +215,7 @@ pub fn seen_by(cells: &Cells, sensor: &Sensor, agl_m: f64, passes: &[Pass]) -> V
 
 /// The cells that one pass sees often enough.
 fn seen_from(cells: &Cells, sensor: &Sensor, agl_m: f64, pass: &Pass) -> Vec<usize> {
-    let most_above_m = MOST_ABOVE * agl_m;
+    let most_above_m = MAX_ABOVE * agl_m;
     let along = sensor.along.map_or(0.0, |(tangent, _)| tangent);
     let reach_m = most_above_m * sensor.across.max(along);
     let mut pictures: std::collections::BTreeMap<usize, (f64, f64)> =

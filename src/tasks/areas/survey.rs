@@ -15,7 +15,7 @@ const EACH_LINE_M: f64 = 40.0;
 /// Directions that are tried besides those of the edges are this far apart, degrees.
 const EVERY_DEG: u32 = 10;
 /// Most edges whose directions are tried, the longest ones.
-const MOST_EDGES: usize = 16;
+const MAX_EDGES: usize = 16;
 
 /// The lines over an area in the direction that costs least, or in a given one.
 pub(super) fn lines(
@@ -45,7 +45,7 @@ fn headings(area: &Polygon<f64>) -> Vec<f64> {
     let mut edges: Vec<_> = area.exterior().lines().collect();
     let length = |edge: &geo::Line<f64>| edge.dx().hypot(edge.dy());
     edges.sort_by(|one, other| length(other).total_cmp(&length(one)));
-    let edges = edges.iter().take(MOST_EDGES);
+    let edges = edges.iter().take(MAX_EDGES);
     let along = edges.map(|edge| edge.dx().atan2(edge.dy()).rem_euclid(std::f64::consts::PI));
     let around = (0..180 / EVERY_DEG).map(|step| f64::from(step * EVERY_DEG).to_radians());
     along.chain(around).collect()
@@ -147,8 +147,8 @@ fn lines_along(
 
 /// A line has some length even where a picture would do.
 pub(super) fn at_least_long(first: f64, last: f64) -> (f64, f64) {
-    const LEAST_M: f64 = 10.0;
-    let short = (LEAST_M - (last - first)).max(0.0) / 2.0;
+    const MIN_M: f64 = 10.0;
+    let short = (MIN_M - (last - first)).max(0.0) / 2.0;
     (first - short, last + short)
 }
 

@@ -11,17 +11,17 @@ const ROUNDS: u64 = 10_000;
 /// All jobs are taken out in one round of this number.
 const RESTART: u32 = 12;
 /// Most that a sharing may cost above the best to be gone on from, at first; percent.
-const MOST_DEARER: u64 = 10;
+const MAX_DEARER: u64 = 10;
 /// In one round of this number two vehicles exchange what they do.
 const EXCHANGE: u32 = 10;
 /// Most jobs taken out in one round.
-const MOST_REMOVED: usize = 6;
+const MAX_REMOVED: usize = 6;
 /// In one round of this number jobs are taken out at random.
 const RANDOM: u32 = 3;
 /// Most vehicles that lose a string of visits.
-const MOST_STRINGS: usize = 3;
+const MAX_STRINGS: usize = 3;
 /// Most visits in such a string.
-const MOST_IN_STRING: usize = 10;
+const MAX_IN_STRING: usize = 10;
 
 impl Assignment<'_> {
     pub(super) fn search(&self, seed: u64) -> Assigned {
@@ -62,7 +62,7 @@ impl Assignment<'_> {
             }
             self.insert(&mut next, noise);
             // Somewhat dearer ones are gone on from too, ever less: they lead out of local minima.
-            let share = MOST_DEARER * (ROUNDS - round);
+            let share = MAX_DEARER * (ROUNDS - round);
             let dearer = best.cost * share / (100 * ROUNDS);
             if (next.left.len(), next.cost) <= (best.left.len(), best.cost + dearer) {
                 current = next;
@@ -106,14 +106,14 @@ impl Assignment<'_> {
             return free.to_vec();
         }
         if rng.random_range(0..RANDOM) == 0 {
-            let count = rng.random_range(1..=MOST_REMOVED.min(free.len()));
+            let count = rng.random_range(1..=MAX_REMOVED.min(free.len()));
             return (0..count)
                 .map(|_| free[rng.random_range(0..free.len())])
                 .collect();
         }
         let mut removed: Vec<usize> = Vec::new();
         let mut vehicles: Vec<usize> = Vec::new();
-        let strings = rng.random_range(1..=MOST_STRINGS);
+        let strings = rng.random_range(1..=MAX_STRINGS);
         for &job in &near[rng.random_range(0..free.len())] {
             if vehicles.len() == strings {
                 break;
@@ -129,7 +129,7 @@ impl Assignment<'_> {
             vehicles.push(vehicle);
             let visits = &assigned.visits[vehicle];
             let at = visits.iter().position(|visit| visit.0 == job).unwrap_or(0);
-            let length = rng.random_range(1..=MOST_IN_STRING.min(visits.len()));
+            let length = rng.random_range(1..=MAX_IN_STRING.min(visits.len()));
             let first = (at + 1).saturating_sub(length);
             let last = at.min(visits.len() - length);
             let first = rng.random_range(first..=last.max(first));

@@ -13,9 +13,9 @@ use crate::spec::{MAX_STOPS, Stop, Vehicle};
 use crate::tasks::assignment::{Carrier, Way};
 
 /// Nearer than this there is no route between two places, metres.
-pub(super) const LEAST_ROUTE_M: f64 = 10.0;
+pub(super) const MIN_ROUTE_M: f64 = 10.0;
 /// Nor between the ends of two lines, which are joined by a straight one.
-const LEAST_TURN_M: f64 = 0.5;
+const MIN_TURN_M: f64 = 0.5;
 
 impl Assigner<'_> {
     /// The ways of a vehicle between the places of tasks, and its own start, stops and goal.
@@ -70,8 +70,8 @@ impl Assigner<'_> {
         let ends = (self.points[from], self.points[to]);
         let line = |site: usize| lines.get(site).and_then(Option::as_ref);
         let least_m = match (line(from), line(to)) {
-            (Some(_), Some(_)) => LEAST_TURN_M,
-            _ if from < lines.len() || to < lines.len() => LEAST_ROUTE_M,
+            (Some(_), Some(_)) => MIN_TURN_M,
+            _ if from < lines.len() || to < lines.len() => MIN_ROUTE_M,
             _ => 0.0,
         };
         if ends.0.at.distance_m(ends.1.at) < least_m {

@@ -10,7 +10,7 @@ use crate::tasks::assignment::{Assignment, Carrier, Form, Job};
 use crate::world::PlanZone;
 
 /// As often estimates of what is crossed are doubled.
-const MOST_DOUBLED: u8 = 2;
+const MAX_DOUBLED: u8 = 2;
 /// Lines are looked at in steps of this length, metres.
 const STEP_M: f64 = 10.0;
 
@@ -28,7 +28,7 @@ impl Assigner<'_> {
     pub fn minds_times(&mut self) -> bool {
         if let Some(known) = &mut self.in_time {
             known.doubled += 1;
-            return known.doubled <= MOST_DOUBLED;
+            return known.doubled <= MAX_DOUBLED;
         }
         let mut zones: Vec<Vec<(usize, f64)>> = self
             .points

@@ -1,6 +1,6 @@
 //! Why a task is not done.
 
-use super::estimate::LEAST_ROUTE_M;
+use super::estimate::MIN_ROUTE_M;
 use super::{Assigner, BUDGET, PER_SECOND, TaskLeft, float};
 use crate::spec::MAX_STOPS;
 use crate::tasks::assignment::{Assignment, Spent};
@@ -61,7 +61,7 @@ impl Assigner<'_> {
                     false => "",
                 };
                 let near = self.near(unit).map_or_else(String::new, |id| {
-                    format!(", or it would fly there straight from task {id}, less than {LEAST_ROUTE_M} m from it: give one task the `actions` of both")
+                    format!(", or it would fly there straight from task {id}, less than {MIN_ROUTE_M} m from it: give one task the `actions` of both")
                 });
                 format!(
                     "no vehicle has {time}enough endurance and stops (at most {MAX_STOPS}) left for it{near}"
@@ -75,7 +75,7 @@ impl Assigner<'_> {
         let own = &self.units[unit];
         let is_near = |site: &usize| {
             let mut sites = own.sites.iter();
-            sites.any(|of| self.points[*of].at.distance_m(self.points[*site].at) < LEAST_ROUTE_M)
+            sites.any(|of| self.points[*of].at.distance_m(self.points[*site].at) < MIN_ROUTE_M)
         };
         let mut others = self.units.iter().filter(|other| other.task != own.task);
         let other = others.find(|other| other.sites.iter().any(is_near))?;

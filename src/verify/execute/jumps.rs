@@ -84,7 +84,7 @@ pub(crate) fn jump(
             return Err("a jump (DO_JUMP) within the loop of another".to_owned());
         }
         Jumps::NotMet => whole(times)
-            .filter(|&times| times <= MOST_JUMPS)
+            .filter(|&times| times <= MAX_JUMPS)
             .ok_or_else(|| format!("a jump (DO_JUMP) made {times} times"))?,
     };
     if left == 0 {
@@ -96,7 +96,7 @@ pub(crate) fn jump(
 }
 
 /// Most repetitions that both autopilots keep as such (`int16`).
-const MOST_JUMPS: usize = 32_767;
+const MAX_JUMPS: usize = 32_767;
 
 /// A whole number that fits the parameter of a jump.
 fn whole(value: f64) -> Option<usize> {

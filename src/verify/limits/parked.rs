@@ -49,8 +49,8 @@ fn lat_deg(moment: &Moment) -> f64 {
 /// A landing and the nearest vehicle that stands there; `parked` goes from south to north.
 fn sentence(landing: &Parked<'_>, parked: &[Parked<'_>]) -> Option<String> {
     /// Metres of a degree of latitude, no more.
-    const LEAST_DEGREE_M: f64 = 110_000.0;
-    let (lat, reach) = (lat_deg(landing.at), NEAR_M / LEAST_DEGREE_M);
+    const MIN_DEGREE_M: f64 = 110_000.0;
+    let (lat, reach) = (lat_deg(landing.at), NEAR_M / MIN_DEGREE_M);
     let from = parked.partition_point(|other| lat_deg(other.at) < lat - reach);
     let near = parked[from..]
         .iter()

@@ -10,7 +10,7 @@ use super::segment::DEVIATION_M;
 /// What all hills that are left out of a piece may add together, metres.
 const LEFT_OUT_M: f64 = 1e-6;
 /// Halvings of a line: enough for centimetres on any of them.
-const MOST_HALVINGS: u32 = 28;
+const MAX_HALVINGS: u32 = 28;
 
 /// A hill, measured in its own radii.
 #[derive(Clone, Copy, Debug)]
@@ -137,7 +137,7 @@ impl Hills {
         let middle = 0.5 * (piece.w.0 + piece.w.1);
         let middle_m = self.height_m(&near, middle);
         let error_m: f64 = near.iter().map(|one| one.reach(piece.w).error_m).sum();
-        if error_m > ERROR_M && piece.halvings < MOST_HALVINGS {
+        if error_m > ERROR_M && piece.halvings < MAX_HALVINGS {
             let half = |w, height_m| Piece {
                 w,
                 height_m,

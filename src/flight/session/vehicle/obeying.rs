@@ -8,8 +8,8 @@ use crate::flight::record::Fix;
 const STUCK_S: f64 = 20.0;
 const WING_STUCK_S: f64 = 60.0;
 /// Less than this is the noise of positions, metres: up or down, and over the ground.
-const LEAST_UP_M: f64 = 2.0;
-const LEAST_NEARER_M: f64 = 10.0;
+const MIN_UP_M: f64 = 2.0;
+const MIN_NEARER_M: f64 = 10.0;
 /// A vehicle this near to where it returns to may stay over it for a time, metres and radii of its circle.
 const THERE_M: f64 = 60.0;
 const THERE_RADII: f64 = 2.0;
@@ -43,8 +43,8 @@ impl FlightVehicle<'_> {
         let down_m = before.amsl_m - now.amsl_m;
         let gets_on = match returns {
             // It climbs first, and comes down at the end.
-            true => down_m.abs() >= LEAST_UP_M || before.away_m - away_m >= LEAST_NEARER_M,
-            false => down_m >= LEAST_UP_M,
+            true => down_m.abs() >= MIN_UP_M || before.away_m - away_m >= MIN_NEARER_M,
+            false => down_m >= MIN_UP_M,
         };
         let circle_m = self.circle_m().unwrap_or(0.0);
         let is_there = returns && away_m <= THERE_M + THERE_RADII * circle_m;

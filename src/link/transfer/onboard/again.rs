@@ -9,7 +9,7 @@ use crate::mission::Item;
 use crate::spec::Autopilot;
 
 /// How often lists that change are read anew.
-const MOST_AGAIN: u32 = 3;
+const MAX_AGAIN: u32 = 3;
 /// Nobody was heard to write for this long before they are read anew, milliseconds: twice as long as a vehicle
 /// waits before it requests an item again.
 const QUIET_MS: u64 = 2000;
@@ -50,7 +50,7 @@ impl Reading {
     /// What was read may be of two lists.
     pub(super) fn begin_anew(&mut self, now: Time) {
         self.again += 1;
-        if self.again > MOST_AGAIN {
+        if self.again > MAX_AGAIN {
             let (system, list) = self.foreign.unzip();
             let list = list.unwrap_or_else(|| ORDER.get(self.at).copied());
             return self.fail(Failure::ChangedWhileRead { list, system });

@@ -9,7 +9,7 @@ use crate::spec::{Arrival, EndPoint, MAX_STOPS, OnWay, Order, Placement, Stop};
 
 /// A place below the least height above ground is at least this high, metres: a PX4 copter (1.17 beta, simulated,
 /// one flight) came 1.5 m lower than it was asked to.
-const LEAST_DROP_AGL_M: f64 = 3.0;
+const MIN_DROP_AGL_M: f64 = 3.0;
 
 impl Checker {
     /// The stops of a vehicle, as far as each is whole.
@@ -101,8 +101,8 @@ impl Checker {
         if agl_m >= map.area.min_agl.0 {
             return (Some(end), 0.0);
         }
-        if agl_m < LEAST_DROP_AGL_M {
-            let allowed = format!("at least {LEAST_DROP_AGL_M} m: it stays in the air there");
+        if agl_m < MIN_DROP_AGL_M {
+            let allowed = format!("at least {MIN_DROP_AGL_M} m: it stays in the air there");
             self.report(&format!("{path}.agl_m"), digits::plain(agl_m), allowed);
         }
         let over_m = map.area.min_agl.0 + map.buffers.terrain_m;

@@ -14,9 +14,9 @@ use crate::world::Terrain;
 /// Places nearer than this are one, metres.
 const SAME_M: f64 = 1.0;
 /// `RTL_ALT_MIN` of ArduCopter, metres.
-const LEAST_RETURN_M: f64 = 2.0;
+const MIN_RETURN_M: f64 = 2.0;
 /// `RTL_MIN_CONE_SLOPE` of ArduCopter: with less there is no cone.
-const LEAST_CONE_SLOPE: f64 = 0.5;
+const MIN_CONE_SLOPE: f64 = 0.5;
 /// `CLIMB_BEFORE_TURN` of `FLIGHT_OPTIONS` (`ArduPlane/defines.h`).
 const CLIMB_FIRST: f64 = 16.0;
 /// A return altitude that differs from the one of the spec by more is the one that is flown, metres.
@@ -210,10 +210,10 @@ impl Pilot<'_> {
         let climbed_m = match mission.autopilot {
             Autopilot::ArduPilot => {
                 let climbed_m = above_m + param_si(mission, "RTL_CLIMB_MIN").max(0.0);
-                let least_m = climbed_m.max(LEAST_RETURN_M);
+                let least_m = climbed_m.max(MIN_RETURN_M);
                 let full_m = mission.param_si("RTL_ALT")?.max(least_m);
                 let slope = param_si(mission, "RTL_CONE_SLOPE");
-                let target_m = if slope >= LEAST_CONE_SLOPE {
+                let target_m = if slope >= MIN_CONE_SLOPE {
                     full_m.min((away_m * slope).max(least_m))
                 } else {
                     full_m

@@ -25,7 +25,7 @@ const SHARE: f64 = 0.5;
 /// Chords are never further from the curve, metres.
 const CHORD_ERROR_M: f64 = 0.02;
 /// A shorter curve is none, metres: ArduPilot stores 1e-7 degrees and centimetres.
-const LEAST_M: f64 = 0.005;
+const MIN_M: f64 = 0.005;
 
 /// A cubic curve, for 0 to 1: its coefficients, metres.
 struct Curve([Vector3<f64>; 4]);
@@ -177,7 +177,7 @@ impl Pilot<'_> {
             from.agl_m = None;
         }
         let (begin, end) = (of_knot(&from), of_knot(&to));
-        if (end - begin).norm() < LEAST_M {
+        if (end - begin).norm() < MIN_M {
             return Ok(None);
         }
         let arrive = match next {
@@ -238,7 +238,7 @@ impl Pilot<'_> {
             _ => of_knot(to),
         };
         let arrive = vector(at, next_m) - begin;
-        Ok(match arrive.norm() < LEAST_M {
+        Ok(match arrive.norm() < MIN_M {
             true => Vector3::zeros(),
             false => arrive,
         })

@@ -10,18 +10,18 @@ use crate::verify::measure::segment::{Column, Phase};
 use super::{Pilot, SAME_PLACE_M, is_launched};
 
 /// Default of PX4's `MIS_TAKEOFF_ALT`, metres.
-const LEAST_TAKEOFF_M: f64 = 2.5;
+const MIN_TAKEOFF_M: f64 = 2.5;
 /// ArduCopter climbs by this at least (`ModeAuto::takeoff_start`), metres.
-const LEAST_CLIMB_M: f64 = 1.0;
+const MIN_CLIMB_M: f64 = 1.0;
 /// Default of PX4's `MPC_LAND_ALT1`, metres.
 const SLOW_TAKEOFF_M: f64 = 10.0;
 /// From so far on the course to the place of its takeoff is known in spite of the errors of positions, metres.
-const LEAST_AHEAD_M: f64 = 20.0;
+const MIN_AHEAD_M: f64 = 20.0;
 
 /// How far PX4 climbs at least on rotors, metres (`Mission::calculate_takeoff_altitude`).
 fn least_takeoff_m(mission: &VehicleMission) -> f64 {
     let held = mission.param("MIS_TAKEOFF_ALT").filter(|m| m.is_finite());
-    held.unwrap_or(LEAST_TAKEOFF_M)
+    held.unwrap_or(MIN_TAKEOFF_M)
 }
 
 /// How much longer than at its climb rate PX4 takes on rotors for its first metres, seconds (`MPC_TKO_SPEED` below
@@ -68,7 +68,7 @@ impl Pilot<'_> {
         let place = self.world.frame.from_plan(home.at);
         let (amsl_m, _) = self.resolve(row, place, height)?;
         let amsl_m = match (self.vehicle.airframe, autopilot) {
-            (Airframe::Copter, Autopilot::ArduPilot) => amsl_m.max(home.amsl.0 + LEAST_CLIMB_M),
+            (Airframe::Copter, Autopilot::ArduPilot) => amsl_m.max(home.amsl.0 + MIN_CLIMB_M),
             (Airframe::Copter | Airframe::Vtol, Autopilot::Px4) => {
                 amsl_m.max(home.amsl.0 + least_takeoff_m(mission))
             }
@@ -107,7 +107,7 @@ impl Pilot<'_> {
         aside: Option<EastNorth>,
         amsl_m: f64,
     ) -> Result<(), Unknown> {
-        let ahead = aside.filter(|at| at.distance_m(self.home.at) >= LEAST_AHEAD_M);
+        let ahead = aside.filter(|at| at.distance_m(self.home.at) >= MIN_AHEAD_M);
         if ahead.is_none() {
             self.drift_up(row, self.here());
         }

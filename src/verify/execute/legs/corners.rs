@@ -121,10 +121,10 @@ pub(super) fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
 
 /// The circle that rounds a corner, if there is one to round.
 pub(super) fn arc(knots: (EastNorth, EastNorth, EastNorth), corner: &Corner) -> Option<Shape> {
-    const LEAST_TURN_RAD: f64 = 1e-6;
+    const MIN_TURN_RAD: f64 = 1e-6;
     let half_rad = 0.5 * corner.turn_rad.abs();
     let radius_m = corner.taken_m / half_rad.min(89.9_f64.to_radians()).tan();
-    if half_rad < LEAST_TURN_RAD || radius_m <= 0.0 {
+    if half_rad < MIN_TURN_RAD || radius_m <= 0.0 {
         return None;
     }
     let (before, at, _) = knots;

@@ -12,18 +12,18 @@ use crate::verify::{Limit, Margin, Moment, Requirement};
 use crate::world::World;
 
 /// Least share of an area that is seen at the overlap asked for, percent.
-const LEAST_PERCENT: f64 = 99.5;
+const MIN_PERCENT: f64 = 99.5;
 /// Gaps that are named.
 const NAMED: usize = 3;
 /// Motions that are shorter are none over the ground, metres.
-const LEAST_M: f64 = 1e-6;
+const MIN_M: f64 = 1e-6;
 /// Distance of the places of a leg that are looked for, metres.
 const EVERY_M: f64 = 20.0;
 /// A leg may be lower than the height asked for by this and the tolerance of paths, metres: whole
 /// quarters of a metre.
 const LOWER_M: f64 = 0.25;
 /// A leg is not flown where the vehicle is higher than this many times the height asked for.
-const MOST_ABOVE: f64 = 1.5;
+const MAX_ABOVE: f64 = 1.5;
 
 /// The margins of all tasks with lines.
 pub(crate) fn margins(
@@ -79,7 +79,7 @@ fn covered(
         t_s: 0.0,
         item: 0,
     });
-    let required = Requirement::at_least(limit, LEAST_PERCENT, "%");
+    let required = Requirement::at_least(limit, MIN_PERCENT, "%");
     let mut margin = required.margin("", 100.0 * share, at);
     let mut notes = match margin.ok {
         true => Vec::new(),
@@ -150,7 +150,7 @@ impl Contract<'_> {
         let (mut aim, mut first_turned) = (Aim::default(), None);
         let flown = |chord: &&Chord| {
             let length_m = chord.from.at.distance_m(chord.to.at);
-            chord.flown && chord.phase == Phase::Route && length_m > LEAST_M
+            chord.flown && chord.phase == Phase::Route && length_m > MIN_M
         };
         for chord in self.flight.chords.iter().filter(flown) {
             let switch = self.switch_before(chord.row);
@@ -248,7 +248,7 @@ fn flown(
         .filter(|contract| task.is_for(contract.vehicle))
         .map(|contract| {
             let legs = |line: &SweepLine, least_m: f64| {
-                let near = (near_m, least_m..=MOST_ABOVE * sweep.agl.0);
+                let near = (near_m, least_m..=MAX_ABOVE * sweep.agl.0);
                 let forwards = contract.legs(&line.points, &near);
                 let backwards = match line.is_reversible {
                     true => {

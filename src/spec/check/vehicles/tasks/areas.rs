@@ -13,13 +13,13 @@ use crate::spec::{SearchPattern, Sensor, Sweep, SweepShape};
 const FRONT_OVERLAP: f64 = 0.7;
 const SIDE_OVERLAP: f64 = 0.6;
 /// Least distance of neighbouring lines, metres.
-const LEAST_SPACING_M: f64 = 2.0;
+const MIN_SPACING_M: f64 = 2.0;
 /// Most length of all lines of one task, metres.
-const MOST_LINES_M: f64 = 1_000_000.0;
+const MAX_LINES_M: f64 = 1_000_000.0;
 /// Most corners of a corridor.
 const MAX_CORNERS: usize = 100;
 /// Corners of a corridor are at least this far apart, metres.
-const LEAST_LEG_M: f64 = 10.0;
+const MIN_LEG_M: f64 = 10.0;
 
 /// What surveys and corridors say of their sensor and lines.
 struct Looking {
@@ -339,20 +339,20 @@ impl Checker {
     /// Lines of a footprint that is no smaller than the area needs.
     fn length_of_lines(&mut self, path: &str, area_m2: f64, (sensor, agl): (Sensor, Agl)) {
         let spacing_m = sensor.swath_m(agl.0) * (1.0 - sensor.side_overlap);
-        if spacing_m < LEAST_SPACING_M {
+        if spacing_m < MIN_SPACING_M {
             let found = format!(
                 "lines {} m apart",
-                digits::distinct_from(spacing_m, LEAST_SPACING_M, 2)
+                digits::distinct_from(spacing_m, MIN_SPACING_M, 2)
             );
             let allowed = format!(
-                "at least {LEAST_SPACING_M} m: by agl_m, side_overlap and the angle of view or swath_m"
+                "at least {MIN_SPACING_M} m: by agl_m, side_overlap and the angle of view or swath_m"
             );
             self.report(path, found, allowed);
-        } else if area_m2 / spacing_m > MOST_LINES_M {
+        } else if area_m2 / spacing_m > MAX_LINES_M {
             let found = format!("{:.0} km of lines", area_m2 / spacing_m / 1e3);
             let allowed = format!(
                 "at most {:.0} km: a smaller area, a wider swath, less overlap",
-                MOST_LINES_M / 1e3
+                MAX_LINES_M / 1e3
             );
             self.report(path, found, allowed);
         }
@@ -361,11 +361,11 @@ impl Checker {
     fn legs_apart(&mut self, path: &str, line: &[LatLon]) {
         for (index, pair) in line.windows(2).enumerate() {
             let apart_m = pair[0].chord_m(pair[1]);
-            if apart_m < LEAST_LEG_M {
-                let apart = digits::distinct_from(apart_m, LEAST_LEG_M, 1);
+            if apart_m < MIN_LEG_M {
+                let apart = digits::distinct_from(apart_m, MIN_LEG_M, 1);
                 let found = format!("{apart} m from the corner before it");
                 let path = format!("{path}[{}]", index + 1);
-                self.report(&path, found, format!("at least {LEAST_LEG_M} m"));
+                self.report(&path, found, format!("at least {MIN_LEG_M} m"));
             }
         }
     }
