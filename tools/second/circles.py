@@ -86,7 +86,7 @@ class Circles:
     def turned_off(self, to):
         """Places beside the leg to a place from which ArduPlane, once it has turned, flies straight there; PX4 may."""
         last = self.knots[-1]
-        if len(self.knots) < 2 or math.hypot(*(to - self.flat(last))) <= SAME_M:
+        if self.law is None or len(self.knots) < 2 or math.hypot(*(to - self.flat(last))) <= SAME_M:
             return []
         knots = [*self.knots, type(last)(self.plane.place(to), last.amsl, None, last.speed)]
         flat = [self.flat(knot) for knot in knots]

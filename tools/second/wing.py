@@ -87,7 +87,7 @@ class WingFlight(Circles, Flight):
         self.lag = ARDUPILOT_LAG_S if ardupilot else PX4_LAG_S
         small = params.get("ALT_SLOPE_MIN", params.get("GLIDE_SLOPE_MIN", SMALL_CLIMB_M))
         self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
-        self.law = Law(params, n) if ardupilot else Px4Law(params, n)
+        self.law = Law(params, n) if ardupilot else Px4Law(params, n) if vehicle["airframe"] == "plane" else None
         self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
         super().__init__(vehicle, items, ground, 0.0)
 
@@ -266,7 +266,7 @@ class WingFlight(Circles, Flight):
         lengths = [leg.length for leg in legs]
         cruise = [self.over_ground(b.speed, (a.amsl + b.amsl) / 2, course(p, q))
                   for a, b, p, q in zip(knots, knots[1:], flat, flat[1:])]
-        if len(knots) > 2:
+        if self.law and len(knots) > 2:
             self.steep = max([self.steep] + [abs(leg.height.end - leg.height.start) / leg.length for leg in legs])
             self.note_short([leg.length < self.law.ahead(v) for leg, v in zip(legs, cruise)])
         half, taken = self.corners(knots, legs)
@@ -289,8 +289,9 @@ class WingFlight(Circles, Flight):
                 self.judged.append(line_between(ends, leg.length, height))
         if not self.ardupilot:
             self.early(knots, legs)
-        self.leave_early(knots)
-        if len(knots) > 2:
+        if self.law:
+            self.leave_early(knots)
+        if self.law and len(knots) > 2:
             for fixes in self.law.both(lambda law: law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)):
                 self.lay_way(flat, knots, heights, fixes)
         self.leave_hull(flat, knots, heights, cruise, [*firsts, len(self.motions)])

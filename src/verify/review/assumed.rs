@@ -217,8 +217,12 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; in still air, the wind is added as the law has it)",
     ),
     (
-        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
-        "a wing of PX4 takes its next leg within NAV_ACC_RAD of a waypoint or abeam of it (1.17; since 1.18 within NPFG_SW_DST_MLT of its track error bound, judged as well), and swings out of corners: it is judged along the way of its NPFG law too, \
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Vtol,
+        "a VTOL of PX4 keeps to its legs and arcs: what it swings out of corners was not measured and is not judged",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Plane,
+        "a plane of PX4 takes its next leg within NAV_ACC_RAD of a waypoint or abeam of it (1.17; since 1.18 within NPFG_SW_DST_MLT of its track error bound, judged as well), and swings out of corners: it is judged along the way of its NPFG law too, \
          with NPFG_PERIOD and NPFG_DAMPING (default {NPFG_PERIOD} and {NPFG_DAMPING}) and FW_R_LIM, at {px4_plane.turning_share} of a coordinated turn, and separation counts with what that way is beside the legs \
          (1.17 of January 2026, simulated, 11 to 13 m/s, 0 to 6 m/s of wind: within 12 m of that way where it was up to 44 m beside what was judged without it)",
     ),
@@ -279,7 +283,8 @@ fn placeholder(text: &str) -> Option<(&str, &str, &str)> {
 
 fn figure(name: &str) -> Option<String> {
     let Some((kind, name)) = name.split_once('.') else {
-        return parameter(name).map(|row| row.default_si().to_string());
+        // As it was written: 0.7 is not the nearest float32.
+        return parameter(name).map(|row| ((1e6 * row.default_si()).round() / 1e6).to_string());
     };
     let (_, autopilot, airframe) = KINDS.into_iter().find(|(known, ..)| *known == kind)?;
     let figures = facts(autopilot, airframe).behaviour.figures();
