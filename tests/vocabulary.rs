@@ -137,6 +137,6 @@ fn comments_and_messages_avoid_the_phrases_given_up() {
 fn identifiers_are_split_into_their_words() {
     assert_eq!(words("has_leeway"), ["has", "leeway"]);
     assert_eq!(words("LowestSpline"), ["lowest", "spline"]);
-    assert_eq!(words("MAX_PLACES"), ["most", "places"]);
+    assert_eq!(words("MOST_PLACES"), ["most", "places"]);
     assert_eq!(words("thinnest_m"), ["thinnest", "m"]);
 }
