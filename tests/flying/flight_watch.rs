@@ -43,11 +43,8 @@ pub(super) fn has_event(lines: &[Value], text: &str) -> bool {
         .any(|event| event.contains(text))
 }
 
-#[test]
-fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers_all_of_it() {
-    let (folder, runs) = planned("lanes", &lanes("-84.262"));
-    let (_vehicles, links) = vehicles(folder.path());
-    let [alpha, bravo] = &links;
+/// Flies the two of `lanes.yaml` on their links.
+pub(super) fn fly_lanes(folder: &Path, [alpha, bravo]: &[String; 2]) -> Flight {
     let fly = [
         "fly",
         "lanes.yaml",
@@ -56,7 +53,14 @@ fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers
         alpha,
         bravo,
     ];
-    let mut flight = begin(folder.path(), &fly);
+    begin(folder, &fly)
+}
+
+#[test]
+fn a_flight_whose_ground_station_was_killed_is_taken_over_and_its_verdict_covers_all_of_it() {
+    let (folder, runs) = planned("lanes", &lanes("-84.262"));
+    let (_vehicles, links) = vehicles(folder.path());
+    let mut flight = fly_lanes(folder.path(), &links);
     wait_for(&runs, "alpha", 2.0);
     // Stopped, it blames itself and not the vehicles.
     signal(&flight, "-STOP");
@@ -264,16 +268,8 @@ fn a_terminal_that_goes_leaves_the_flight_alone_and_the_next_one_commands() {
 #[test]
 fn of_two_that_take_a_flight_over_one_does_and_knows_what_was_ordered_before() {
     let (folder, runs) = planned("lanes", &lanes("-84.262"));
-    let (_vehicles, [alpha, bravo]) = vehicles(folder.path());
-    let fly = [
-        "fly",
-        "lanes.yaml",
-        "--upload",
-        "--set-params",
-        &alpha,
-        &bravo,
-    ];
-    let mut flight = begin(folder.path(), &fly);
+    let (_vehicles, links) = vehicles(folder.path());
+    let mut flight = fly_lanes(folder.path(), &links);
     wait_for(&runs, "alpha", 6.0);
     let mut terminal = Terminal::attach(folder.path());
     std::thread::sleep(Duration::from_millis(800));
@@ -369,16 +365,9 @@ fn a_terminal_that_commands_and_stands_still_gives_way_to_one_that_orders() {
 #[test]
 fn a_flight_that_broke_off_is_kept_from_another_fly_and_from_another_plan() {
     let (folder, runs) = planned("lanes", &lanes("-84.262"));
-    let (_vehicles, [alpha, bravo]) = vehicles(folder.path());
-    let fly = [
-        "fly",
-        "lanes.yaml",
-        "--upload",
-        "--set-params",
-        &alpha,
-        &bravo,
-    ];
-    let mut flight = begin(folder.path(), &fly);
+    let (_vehicles, links) = vehicles(folder.path());
+    let mut flight = fly_lanes(folder.path(), &links);
+    let [alpha, bravo] = &links;
     wait_for(&runs, "alpha", 4.0);
     signal(&flight, "-KILL");
     let _ = flight.0.wait();
@@ -386,8 +375,15 @@ fn a_flight_that_broke_off_is_kept_from_another_fly_and_from_another_plan() {
     let link = folder.path().join("another");
     std::os::unix::fs::symlink(folder.path().join("out/lanes"), &link).expect("a link");
     for arguments in [
-        &fly[..],
-        &["fly", "lanes.yaml", "--dir", "another", &alpha, &bravo],
+        &[
+            "fly",
+            "lanes.yaml",
+            "--upload",
+            "--set-params",
+            alpha,
+            bravo,
+        ][..],
+        &["fly", "lanes.yaml", "--dir", "another", alpha, bravo],
         &["plan", "lanes.yaml"],
     ] {
         let output = sortie(folder.path(), arguments);

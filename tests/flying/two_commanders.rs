@@ -9,9 +9,9 @@ use std::time::Duration;
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 
-use super::flight_watch::{Terminal, has_event, signal, vehicles};
+use super::flight_watch::{Terminal, fly_lanes, has_event, signal, vehicles};
 use crate::support::command::{sortie, text};
-use crate::support::in_flight::{Flight, begin, json, lanes, lines, planned, wait_for};
+use crate::support::in_flight::{Flight, json, lanes, lines, planned, wait_for};
 
 /// A flight of vehicles in another process.
 struct Aloft {
@@ -25,16 +25,7 @@ struct Aloft {
 fn aloft(t_s: f64) -> Aloft {
     let (folder, runs) = planned("lanes", &lanes("-84.262"));
     let (vehicles, links) = vehicles(folder.path());
-    let [alpha, bravo] = &links;
-    let fly = [
-        "fly",
-        "lanes.yaml",
-        "--upload",
-        "--set-params",
-        alpha,
-        bravo,
-    ];
-    let flight = begin(folder.path(), &fly);
+    let flight = fly_lanes(folder.path(), &links);
     wait_for(&runs, "alpha", t_s);
     Aloft {
         folder,

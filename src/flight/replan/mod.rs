@@ -128,7 +128,7 @@ pub fn add_threats(plan: &mut FlightPlan, popups: &[Threat]) {
 
 impl<'a> Replanner<'a> {
     /// Opens the links, each with the index of its vehicle in the spec. The last threat counts
-    /// since `threat_ms`, milliseconds since 1970.
+    /// since `threat_ms`, milliseconds on the steady clock.
     ///
     /// # Errors
     /// The link that cannot be opened, and why.

@@ -29,7 +29,7 @@ pub(super) struct ObservedVehicle {
     pub(super) address: Address,
     pub(super) beat: Heartbeat,
     pub(super) position: Position,
-    /// Its positions since the command began, each with its time, milliseconds since 1970.
+    /// Its positions since the command began, each with its time on the steady clock, milliseconds.
     pub(super) flown: Vec<(u64, Position)>,
     /// Sequence number of its current item.
     pub(super) seq: u16,
@@ -45,7 +45,7 @@ pub(super) struct Observation {
     pub(super) vehicles: BTreeMap<usize, ObservedVehicle>,
     /// Those that were not heard.
     pub(super) silent: BTreeSet<usize>,
-    /// The time, milliseconds since 1970.
+    /// The time on the steady clock, milliseconds.
     pub(super) steady_ms: u64,
     /// The same on the clock of the command, seconds.
     pub(super) at_s: f64,

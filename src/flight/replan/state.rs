@@ -89,7 +89,7 @@ pub(crate) struct Branch {
 /// Since when the last threat counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThreatTime {
-    /// Milliseconds since 1970.
+    /// Milliseconds on the steady clock.
     pub(super) steady_ms: u64,
     /// How much faster than the clock the time of the vehicles goes.
     pub(super) speedup: f64,
