@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::heights::{Side, floor, height, metres};
+use super::heights::{Side, floor, height};
 use super::periods::hull;
 use super::{Collection, Geometry, Refused, Shape, ShapesError, circle, malformed, place, ring};
 
@@ -63,7 +63,7 @@ fn shape(name: &str, feature: &Value, volume: &Value) -> Result<Shape, String> {
         .get("horizontalProjection")
         .ok_or("no horizontalProjection")?;
     let unit = word(volume, "uomDimensions").unwrap_or("M");
-    let geometry = geometry(projection, unit)?;
+    let geometry = geometry(projection)?;
     let limit = |value: &str, reference: &str, side: Side| {
         let Some(value) = volume.get(value).filter(|value| !value.is_null()) else {
             return Ok(None);
@@ -91,7 +91,8 @@ fn shape(name: &str, feature: &Value, volume: &Value) -> Result<Shape, String> {
     })
 }
 
-fn geometry(projection: &Value, unit: &str) -> Result<Geometry, String> {
+/// A radius is in metres: authorities that give limits in feet give it so, and of both readings it is the wider zone.
+fn geometry(projection: &Value) -> Result<Geometry, String> {
     match word(projection, "type") {
         Some("Circle") => {
             let center = position(
@@ -100,10 +101,7 @@ fn geometry(projection: &Value, unit: &str) -> Result<Geometry, String> {
                     .ok_or("a circle without a center")?,
             )?;
             let radius = projection.get("radius").and_then(Value::as_f64);
-            circle(
-                center,
-                metres(radius.ok_or("a circle without a radius")?, unit)?,
-            )
+            circle(center, radius.ok_or("a circle without a radius")?)
         }
         Some("Polygon") => {
             let rings = projection.get("coordinates").and_then(Value::as_array);
