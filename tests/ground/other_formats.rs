@@ -127,6 +127,21 @@ fn an_ascii_grid_without_a_system_names_what_to_write() {
 }
 
 #[test]
+fn an_ascii_grid_in_a_three_dimensional_system_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = put(
+        folder.path(),
+        "dem.asc",
+        ascii("xllcorner 8\nyllcorner 47\ncellsize 0.01"),
+    );
+    for system in ["EPSG:4979", "EPSG:4937", "EPSG:7843"] {
+        put(folder.path(), "dem.prj", system);
+        let error = refused(&path);
+        assert!(error.contains("above an ellipsoid"), "{error}");
+    }
+}
+
+#[test]
 fn a_damaged_ascii_grid_is_refused_by_what_is_wrong() {
     let folder = tempfile::tempdir().expect("a folder");
     put(folder.path(), "dem.prj", "EPSG:4326");

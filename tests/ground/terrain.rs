@@ -243,6 +243,26 @@ fn geotiffs_that_would_be_misread_are_refused_by_name() {
 }
 
 #[test]
+fn a_geotiff_in_a_three_dimensional_system_holds_no_heights_above_the_sea() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("area.tif");
+    let mut bytes = fs::read(fixture("area.tif")).expect("a fixture");
+    // GeographicTypeGeoKey, one short: WGS84.
+    let key = [0x00, 0x08, 0, 0, 1, 0];
+    let wgs84 = [key.as_slice(), &4326_u16.to_le_bytes()].concat();
+    let at = bytes.windows(wgs84.len()).position(|of| of == wgs84);
+    let at = at.expect("the key") + key.len();
+    // WGS84, ETRS89, GDA2020.
+    for code in [4979_u16, 4937, 7843] {
+        bytes[at..at + 2].copy_from_slice(&code.to_le_bytes());
+        fs::write(&path, &bytes).expect("written");
+        let error = read_terrain(&path, None).expect_err("refused").to_string();
+        let why = format!("metres above an ellipsoid (EPSG:{code})");
+        assert!(error.contains(&why), "{error}");
+    }
+}
+
+#[test]
 fn a_truncated_geotiff_is_an_error_wherever_it_ends() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("cut.tif");

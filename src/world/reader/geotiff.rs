@@ -128,6 +128,7 @@ fn projection(file: &GeoTiffFile) -> Result<Option<Projection>, TerrainError> {
         _ => "no EPSG code".to_owned(),
     };
     let known = |code: Option<u16>, name: String| {
+        code.map_or(Ok(()), super::above_the_sea)?;
         let projection = code.and_then(Projection::of_epsg);
         projection.map(Some).ok_or(TerrainError::Crs(name))
     };

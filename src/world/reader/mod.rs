@@ -27,7 +27,7 @@ use mosaic::Mosaic;
 use terrarium::Terrarium;
 
 use super::TerrainGrid;
-use crate::geodesy::LatLon;
+use crate::geodesy::{LatLon, Projection};
 use crate::spec::{Area, ELEVATION_ENDINGS};
 
 /// Heights of ground that exist, metres above the sea: the shore of the Dead Sea
@@ -388,6 +388,16 @@ impl Source {
                     .to_owned()
             }
         }
+    }
+}
+
+/// Refuses a system of EPSG whose heights are above its ellipsoid.
+fn above_the_sea(code: u16) -> Result<(), TerrainError> {
+    match Projection::has_ellipsoidal_heights(code) {
+        true => Err(TerrainError::Heights(format!(
+            "metres above an ellipsoid (EPSG:{code})"
+        ))),
+        false => Ok(()),
     }
 }
 

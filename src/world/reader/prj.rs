@@ -38,6 +38,7 @@ pub(super) fn read(grid: &Path) -> Result<Option<Projection>, TerrainError> {
         Some(code) => code.parse().map_err(|_| unknown())?,
         None => code(&text)?.ok_or_else(unknown)?,
     };
+    super::above_the_sea(code)?;
     match code {
         4326 => Ok(None),
         code => match Projection::of_epsg(code) {
