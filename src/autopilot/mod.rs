@@ -236,6 +236,13 @@ impl Facts {
         rows.find(|row| row.name == name)
     }
 
+    /// The parameter that has after how long it disarms itself before a takeoff, if it does; 0 and below: never.
+    #[must_use]
+    pub fn disarms_after(&self) -> Option<&'static ParameterRow> {
+        let names = ["DISARM_DELAY", "COM_DISARM_PRFLT"];
+        names.into_iter().find_map(|name| self.parameter(name))
+    }
+
     /// Whether a version is at the altitude of the end of a leg soon after its beginning. Without one it is taken not to
     /// be: `fly` refuses a vehicle that is, then.
     #[must_use]

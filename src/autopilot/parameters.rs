@@ -248,7 +248,8 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     // A waypoint is reached only within this of its altitude.
     p("NAV_MC_ALT_RAD", 0.8, M),
     p("COM_DISARM_PRFLT", 10.0, S),
-    p("RTL_RETURN_ALT", 60.0, M),
+    // `rc.mc_defaults`; a VTOL has 60.
+    p("RTL_RETURN_ALT", 30.0, M),
     int32(p("RTL_TYPE", 0.0, Number)),
     // 0: none.
     p("GF_MAX_HOR_DIST", 0.0, M),

@@ -7,6 +7,7 @@ mod airframes;
 mod commanded_places;
 mod commands_without_spec;
 mod convert_command;
+mod flown_otherwise;
 mod formats_corpus;
 mod formats_golden;
 mod formats_maps;

@@ -173,7 +173,8 @@ fn a_px4_copter_near_home_returns_at_its_return_altitude() {
         ("46.0003", "1\t1\tRTL_MIN_DIST\t50\t9\n", "550.0 m"),
         ("46.00005", "", "550.0 m"),
     ] {
-        let (code, said, _) = flown_from(&for_px4(lat), params, &px4);
+        let params = format!("1\t1\tRTL_RETURN_ALT\t60\t9\n{params}");
+        let (code, said, _) = flown_from(&for_px4(lat), &params, &px4);
         assert_eq!(code, Some(0), "{lat}: {said}");
         assert!(said.contains(top), "{lat} {params}: {said}");
     }

@@ -4,7 +4,7 @@
 
 use sortie::geodesy::LatLon;
 use sortie::mission::{Home, Item, Parameter, VehicleMission, command, frame};
-use sortie::spec::Vehicle;
+use sortie::spec::{Autopilot, Vehicle};
 
 pub const GROUND_M: f64 = 400.0;
 
@@ -53,6 +53,19 @@ pub fn quick_takeoff() -> Parameter {
     }
 }
 
+/// It stays armed on the ground until its departure, as plans set it.
+fn stays_armed(autopilot: Autopilot) -> Parameter {
+    let (name, value) = match autopilot {
+        Autopilot::ArduPilot => ("DISARM_DELAY", 0.0),
+        Autopilot::Px4 => ("COM_DISARM_PRFLT", -1.0),
+    };
+    Parameter {
+        name: name.to_owned(),
+        value,
+        why: String::new(),
+    }
+}
+
 pub fn mission(vehicle: &Vehicle, home_m: f64, items: Vec<Item>) -> VehicleMission {
     VehicleMission {
         autopilot_version: None,
@@ -66,7 +79,7 @@ pub fn mission(vehicle: &Vehicle, home_m: f64, items: Vec<Item>) -> VehicleMissi
         items,
         fence: Vec::new(),
         rally: Vec::new(),
-        params: Vec::new(),
+        params: vec![stays_armed(vehicle.autopilot)],
         is_fence_known: false,
         notes: Vec::new(),
     }

@@ -78,11 +78,11 @@ fn along(vehicle: &Vehicle, places: &[LatLon], radius_m: f64) -> VehicleMission 
     items.extend(places[1..].iter().map(|&place| waypoint(place, UP_M)));
     items.push(land(places[places.len() - 1]));
     let mut mission = mission(vehicle, GROUND_M, items);
-    mission.params = vec![Parameter {
+    mission.params.push(Parameter {
         name: "WPNAV_RADIUS".to_owned(),
         value: (radius_m * 100.0) as f32,
         why: String::new(),
-    }];
+    });
     mission
 }
 
@@ -332,10 +332,10 @@ fn late_and_early(autopilot: Autopilot, course_deg: f64) -> (f64, f64) {
     let longest = longest.expect("a leg");
     let counted_s = longest.to.t_s - 600.0;
     assert!((600.0..660.0).contains(&counted_s), "{counted_s}");
-    // Each leg of PX4 makes it late by itself.
-    let of_leg_s = f64::from(u8::from(autopilot == Autopilot::Px4)) * 1.5;
+    // The climb and each leg of PX4 make it late by themselves.
+    let own_s = f64::from(u8::from(autopilot == Autopilot::Px4)) * (12.0 + 1.5);
     (
-        (longest.late_s - of_leg_s) / counted_s,
+        (longest.late_s - own_s) / counted_s,
         longest.early_s / counted_s,
     )
 }

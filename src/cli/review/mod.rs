@@ -215,7 +215,8 @@ fn without_spec(
         &arguments.limits,
     );
     made.assumed.extend(rates);
-    let not_judged = without_spec::keep_given(&mut review, &made.spec, &arguments.limits);
+    let not_judged =
+        without_spec::keep_given(&mut review, (&made.spec, &judged), &arguments.limits);
     review.assumptions.extend(made.assumed.iter().cloned());
     for left_out in &not_judged {
         let text = format!("not judged, because it was not given: {left_out}");

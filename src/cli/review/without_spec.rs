@@ -88,6 +88,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
                 assumed::takeoff_heading(&mut vehicle, &mission, &mut assumed);
             }
             assumed::returns(&vehicle, &mut mission, limits, &mut assumed);
+            assumed::slopes(&vehicle, &mut assumed);
             airspeeds::limit(&mut mission, &vehicle.id, &mut assumed);
             failed.extend(airspeeds::beyond_limits(&mission, &vehicle.id));
             vehicles.push(vehicle);
@@ -100,6 +101,11 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     };
     spec.vehicles = vehicles;
     "review".clone_into(&mut spec.name);
+    let is_timed = limits.separation.is_some();
+    if is_timed && (missions.iter()).any(|(_, mission)| assumed::asks_for_more_speed(mission)) {
+        // Whether its copters reach their speeds is judged from version 2 on.
+        spec.version = 2;
+    }
     let mut world = world(&spec, &missions, limits)?;
     let mut begin = |(index, mission): &(usize, VehicleMission)| {
         let vehicle = (*index, &spec.vehicles[*index]);

@@ -153,6 +153,18 @@ pub(crate) struct Pilot<'a> {
     pub(crate) hull: Option<Hull>,
 }
 
+/// Why a vehicle does not take off that waits so long on the ground, seconds: it disarms itself before.
+fn disarms_after(mission: &VehicleMission, waits_s: f64) -> Option<String> {
+    let row = mission.facts().disarms_after()?;
+    let after_s = mission.param_or_default_si(row.name)?;
+    (after_s > 0.0 && waits_s > after_s).then(|| {
+        format!(
+            "it waits for {waits_s} s on the ground, and disarms itself after {after_s} s there ({}; 0 or below: never)",
+            row.name
+        )
+    })
+}
+
 impl Pilot<'_> {
     /// Begins in the air, if it is there.
     fn depart(&mut self, mission: &VehicleMission) {
@@ -258,7 +270,11 @@ impl Pilot<'_> {
             }
             Order::OwnSpeed => self.speed_mps = cruise_speed_mps(mission),
             Order::Wait { hold_s } if !self.airborne => {
-                *self.flight.delay_s.get_or_insert(0.0) += hold_s;
+                let all_s = self.flight.delay_s.unwrap_or(0.0) + hold_s;
+                self.flight.delay_s = Some(all_s);
+                if let Some(after) = disarms_after(mission, all_s) {
+                    return unknown(&after);
+                }
             }
             Order::Wait { .. } if self.vehicle.airframe.has_wing() => {
                 return unknown("a wait in the air, on a wing");

@@ -156,6 +156,10 @@ fn of_arducopter(item: &Item, here: bool, home: Amsl) -> Result<Order, String> {
     let autopilot = Autopilot::ArduPilot;
     let at = own_place(item, here)?;
     let height = own_height(item, autopilot, home)?;
+    if item.command == command::NAV_LOITER_TO_ALT && matches!(height, Height::Keep { .. }) {
+        // `ModeAuto::do_loiter_to_alt` keeps its altitude on the way alone.
+        return Err("altitude 0: ArduCopter descends to 0 m where it circles".to_owned());
+    }
     Ok(match item.command {
         // It goes there as to a waypoint, stops, and continues at its altitude
         // (`ModeAuto::loiter_to_alt_run`).

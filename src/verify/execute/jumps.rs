@@ -50,6 +50,22 @@ fn target(item: &Item, mission: &VehicleMission) -> Result<usize, String> {
     to.ok_or_else(|| format!("a jump to the JUMP_TAG {target}, which there is not"))
 }
 
+/// The row of the command behind a counted jump that ArduPilot obeys as its last lap begins, if there is one: with the
+/// command before the jump done, it looks for the next one, finds the jump made, and goes on behind it
+/// (`AP_Mission::advance_current_do_cmd`).
+fn obeyed_early(mission: &VehicleMission, jump: usize) -> Option<usize> {
+    let is_done_at_once = |index: usize| {
+        let item = mission.items.get(index)?;
+        let is_order = item.command > command::NAV_LAST && !is_jump(item, mission.autopilot);
+        (is_order && item.command != command::JUMP_TAG).then_some(index + 1)
+    };
+    if mission.autopilot != Autopilot::ArduPilot {
+        return None;
+    }
+    is_done_at_once(jump.checked_sub(1)?)?;
+    is_done_at_once(jump + 1)
+}
+
 /// The index of the item after a jump.
 ///
 /// `param1` is a number as the autopilot counts, or of a tag, `param2` how often. Neither autopilot counts a
@@ -83,9 +99,16 @@ pub(crate) fn jump(
         Jumps::Spent | Jumps::ForEver => {
             return Err("a jump (DO_JUMP) within the loop of another".to_owned());
         }
-        Jumps::NotMet => whole(times)
-            .filter(|&times| times <= MAX_JUMPS)
-            .ok_or_else(|| format!("a jump (DO_JUMP) made {times} times"))?,
+        Jumps::NotMet => {
+            let left = whole(times).filter(|&times| times <= MAX_JUMPS);
+            let left = left.ok_or_else(|| format!("a jump (DO_JUMP) made {times} times"))?;
+            if let Some(row) = obeyed_early(mission, index).filter(|_| left > 0) {
+                return Err(format!(
+                    "ArduPilot obeys item {row} one lap early, as a command without a place stands before this jump, too: put a waypoint between"
+                ));
+            }
+            left
+        }
     };
     if left == 0 {
         *jumps = Jumps::Spent;

@@ -10,6 +10,8 @@ use crate::spec::Vehicle;
 use crate::verify::{Limit, Margin};
 use crate::world::{Departure, Terrain, World};
 
+use super::airspeeds;
+
 /// Items after which no wing returns by itself.
 const ENDS: [u16; 3] = [
     command::NAV_LAND,
@@ -85,6 +87,27 @@ pub(super) fn returns(
     if returns || returns_at_end {
         assumed.extend(cruise(vehicle, mission, limits));
     }
+}
+
+/// Adds a sentence for a copter whose autopilot flies slopes in another way in a later version.
+pub(super) fn slopes(vehicle: &Vehicle, assumed: &mut Vec<String>) {
+    if let Some(range) = vehicle.facts().heights_at_once {
+        assumed.push(format!(
+            "{}: slopes are flown evenly; {} {range} is at the altitude of the end of a leg soon after its beginning, which is not judged",
+            vehicle.id,
+            vehicle.autopilot.name()
+        ));
+    }
+}
+
+/// Whether a copter is commanded more than the speed that its autopilot has by default.
+pub(super) fn asks_for_more_speed(mission: &VehicleMission) -> bool {
+    let defaults = mission.facts().defaults;
+    let stock_mps = defaults.cruise_mps();
+    let held_mps = mission.param_si(defaults.cruise_parameter);
+    let changes = airspeeds::changes(&mission.items, (mission.autopilot, mission.airframe));
+    let commanded_mps = changes.map(|(_, item)| f64::from(item.params[1]));
+    mission.airframe == Airframe::Copter && commanded_mps.chain(held_mps).any(|mps| mps > stock_mps)
 }
 
 /// Adds the speed of a return where the mission commanded another one, which that forgets, and the sentence for it.

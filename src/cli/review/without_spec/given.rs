@@ -1,6 +1,7 @@
 //! What of a review was judged against a limit that was given.
 
 use crate::cli::args::Limits;
+use crate::mission::{VehicleMission, frame};
 use crate::spec::MissionSpec;
 use crate::verify::{Basis, Limit, Margin, Review};
 
@@ -35,8 +36,17 @@ fn flag(basis: Basis, limits: &Limits) -> Option<(bool, &'static str, &'static s
     })
 }
 
+/// A spec and the missions of its vehicles.
+type Judged<'a> = (&'a MissionSpec, &'a [(usize, &'a VehicleMission)]);
+
+fn follows_ground(mission: &VehicleMission) -> bool {
+    let mut frames = mission.items.iter().map(|item| item.frame);
+    frames.any(|of| frame::canonical(of) == frame::GLOBAL_TERRAIN_ALT)
+}
+
 /// Whether a margin was judged against something that was given, or that a wing has.
-fn is_judged(margin: &Margin, spec: &MissionSpec, limits: &Limits) -> bool {
+fn is_judged(margin: &Margin, judged: Judged<'_>, limits: &Limits) -> bool {
+    let (spec, missions) = judged;
     let is_rate = matches!(margin.limit, Limit::ClimbSpeed | Limit::DescentSpeed);
     let is_turn = margin.limit == Limit::TurnFit;
     let mut vehicles = spec.vehicles.iter();
@@ -45,8 +55,21 @@ fn is_judged(margin: &Margin, spec: &MissionSpec, limits: &Limits) -> bool {
     // Of a copter that is slower than commanded nobody knows when it is where, nor of a wing whose turns
     // do not fit between its places: in time they are cut short, by half a leg where it turns back.
     let is_timed = limits.separation.is_some() && spec.vehicles.len() > 1 && !margin.ok;
-    if is_rate && vehicle.is_some() && (has_wing || is_timed) || is_turn && has_wing && is_timed {
+    // Over ground that rises faster than it climbs a copter that follows it is lower than commanded.
+    let sinks = is_rate
+        && !margin.ok
+        && missions.iter().any(|(index, mission)| {
+            spec.vehicles[*index].id == margin.vehicle && follows_ground(mission)
+        });
+    if sinks
+        || is_rate && vehicle.is_some() && (has_wing || is_timed)
+        || is_turn && has_wing && is_timed
+    {
         return true;
+    }
+    if margin.limit == Limit::FlyableSpeed {
+        // Judged where times are: see `without_spec::around`.
+        return limits.separation.is_some();
     }
     match (flag(margin.limit.basis(), limits), margin.limit.basis()) {
         (Some((is_given, ..)), _) => is_given,
@@ -57,10 +80,11 @@ fn is_judged(margin: &Margin, spec: &MissionSpec, limits: &Limits) -> bool {
 
 /// Keeps the margins that were judged against something that was given. Returns the names and
 /// flags of the limits that were not judged.
-pub(crate) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limits) -> Vec<String> {
+pub(crate) fn keep_given(review: &mut Review, judged: Judged<'_>, limits: &Limits) -> Vec<String> {
+    let spec = judged.0;
     review
         .margins
-        .retain(|margin| is_judged(margin, spec, limits));
+        .retain(|margin| is_judged(margin, judged, limits));
     if limits.terrain.is_none() && !limits.no_terrain {
         for vehicle in &spec.vehicles {
             review.margins.push(Margin::unjudged(

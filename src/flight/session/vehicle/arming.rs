@@ -2,11 +2,10 @@
 //! answer to a command only says that the command was taken.
 
 use super::{FlightVehicle, Instruction, Stage};
-use crate::autopilot::{Autopilot, parameter};
+use crate::autopilot::parameter;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 use crate::link::{FlightMessage, Heartbeat, Message, Time, as_line};
-use crate::spec::Airframe;
 
 /// How long arming is tried, milliseconds: position estimates settle after a start.
 pub(in crate::flight::session) const ARMING_MS: u64 = 20_000;
@@ -102,19 +101,16 @@ impl FlightVehicle<'_> {
     /// After how long on the ground it disarms itself, seconds; none: it does not. What it said counts,
     /// else the parameters of its plan, else the default.
     pub(in crate::flight) fn disarms_after_s(&self) -> Option<f64> {
-        let name = self.disarm_parameter()?;
-        let default_s = || parameter(name).map(|row| row.default_si());
-        let planned_s = self.of.mission.param_si(name).or_else(default_s);
-        self.disarm_s.or(planned_s).filter(|after_s| *after_s > 0.0)
+        let row = self.of.mission.facts().disarms_after()?;
+        let planned_s = self.of.mission.param_si(row.name);
+        let after_s = self.disarm_s.or(planned_s).unwrap_or(row.default_si());
+        (after_s > 0.0).then_some(after_s)
     }
 
-    /// The parameter that has after how long it disarms itself before a takeoff; ArduPlane does not.
+    /// The name of the parameter that has it.
     pub(super) fn disarm_parameter(&self) -> Option<&'static str> {
-        match (self.autopilot(), self.of.mission.airframe) {
-            (Autopilot::Px4, _) => Some("COM_DISARM_PRFLT"),
-            (Autopilot::ArduPilot, Airframe::Copter) => Some("DISARM_DELAY"),
-            (Autopilot::ArduPilot, Airframe::Plane | Airframe::Vtol) => None,
-        }
+        let row = self.of.mission.facts().disarms_after();
+        row.map(|row| row.name)
     }
 
     /// Requests that parameter: a plan that departs at T0 has none of its own.

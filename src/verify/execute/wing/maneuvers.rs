@@ -210,9 +210,16 @@ impl Pilot<'_> {
     }
 
     /// A leg that climbs from the ground, split into the part where its height decides the
-    /// required clearance and the part where the minimum height does.
+    /// required clearance and the part where the minimum height does. That begins no lower than the lag
+    /// allows: it is on the ground where the slope begins.
     fn in_two(&self, ground: &Knot, top: Knot, ground_m: f64) -> Vec<Knot> {
-        let split_m = ground_m + self.world.min_agl.0 / SLOPE_SHARE;
+        let lasts_s = ground.at.distance_m(top.at) / top.speed_mps;
+        let lag_m = match self.world.terrain {
+            // No height is asked of it.
+            Terrain::Unknown => 0.0,
+            _ => self.lag_s * (top.amsl_m - ground_m) / lasts_s,
+        };
+        let split_m = ground_m + (self.world.min_agl.0 / SLOPE_SHARE).max(2.0 * lag_m);
         let sloping = |knot: Knot| Knot {
             slope_from_m: Some(ground_m),
             ..knot

@@ -1,0 +1,177 @@
+//! Missions that an autopilot flies in another way than their items read, or not at all: `sortie review` without a spec.
+
+use std::fs;
+
+use crate::support::command::{sortie, text};
+use crate::without_spec::{COPTER, HOME, Row, land, review, waypoint};
+
+/// A takeoff and an order as both autopilots accept them.
+fn up() -> Row {
+    Row(22, 3, [0.0; 4], HOME.0, HOME.1, 50.0)
+}
+fn order(number: u16, params: [f32; 4]) -> Row {
+    Row(number, 2, params, 0.0, 0.0, 0.0)
+}
+
+fn fails(rows: &[Row], flags: &[&str], why: &str) {
+    let (code, out, errors) = review(HOME, rows, flags);
+    assert_eq!(code, Some(4), "{out}{errors}");
+    assert!(out.contains(why), "{out}");
+}
+
+fn passes(rows: &[Row], flags: &[&str]) {
+    let (code, out, errors) = review(HOME, rows, flags);
+    assert_eq!(code, Some(0), "{out}{errors}");
+}
+
+/// `ModeAuto::do_loiter_to_alt` takes 0 for the altitude: ArduCopter 4.7.0-beta1 descended from 50 m to 0.5 m above the ground.
+#[test]
+fn a_copter_that_loiters_to_an_altitude_of_0_descends_to_the_ground() {
+    let to = |above_m| {
+        [
+            up(),
+            Row(31, 3, [0.0; 4], 46.002, 8.0, above_m),
+            land(46.003, 8.0),
+        ]
+    };
+    passes(&to(50.0), &COPTER);
+    fails(&to(0.0), &COPTER, "ArduCopter descends to 0 m");
+}
+
+/// ArduCopter 4.7.0-beta1 disarmed 10 s later, PX4 1.17 after 11 s ("Disarmed by auto preflight disarming").
+#[test]
+fn who_waits_longer_on_the_ground_than_it_stays_armed_does_not_take_off() {
+    let after = |wait_s| {
+        let wait = order(93, [wait_s, -1.0, -1.0, -1.0]);
+        let way = waypoint(46.002, 8.0, 50.0);
+        [wait, up(), way, land(46.003, 8.0)]
+    };
+    for (autopilot, name) in [("ardupilot", "DISARM_DELAY"), ("px4", "COM_DISARM_PRFLT")] {
+        let flags = [COPTER.as_slice(), &["--autopilot", autopilot]].concat();
+        passes(&after(8.0), &flags);
+        let why = format!("disarms itself after 10 s there ({name}");
+        fails(&after(60.0), &flags, &why);
+    }
+}
+
+/// ArduCopter 4.7.0-beta1 obeyed the change of speed behind the jump as its last lap began.
+#[test]
+fn a_command_behind_a_counted_jump_with_another_before_it_comes_a_lap_early() {
+    let loops = |before: Option<Row>, between: Option<Row>| {
+        let mut rows = vec![up(), waypoint(46.001, 8.0, 50.0)];
+        rows.push(waypoint(46.002, 8.0, 50.0));
+        rows.extend(before);
+        rows.push(order(177, [2.0, 1.0, 0.0, 0.0]));
+        rows.extend(between);
+        rows.push(order(178, [1.0, 2.0, -1.0, 0.0]));
+        rows.extend([waypoint(46.003, 8.0, 50.0), land(46.003, 8.0)]);
+        rows
+    };
+    let picture = || Some(order(203, [0.0; 4]));
+    fails(
+        &loops(picture(), None),
+        &COPTER,
+        "obeys item 6 one lap early",
+    );
+    passes(&loops(None, None), &COPTER);
+    passes(
+        &loops(picture(), Some(waypoint(46.0025, 8.0, 50.0))),
+        &COPTER,
+    );
+    let px4 = [COPTER.as_slice(), &["--autopilot", "px4"]].concat();
+    passes(&loops(picture(), None), &px4);
+}
+
+/// `rc.mc_defaults` of every multicopter: 1.17 said "return at 461 m (30 m above destination)".
+#[test]
+fn a_copter_of_px4_returns_30_m_above_home() {
+    let rows = [up(), waypoint(46.002, 8.0, 20.0), order(20, [0.0; 4])];
+    let flags = [COPTER.as_slice(), &["--autopilot", "px4"]].concat();
+    let (code, out, errors) = review(HOME, &rows, &flags);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    assert!(errors.contains("RTL_RETURN_ALT 30"), "{errors}");
+}
+
+/// A folder with flat ground at 500 m or a step in it, and missions.
+fn over_ground(heights: &str, missions: &[(&str, String)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let put =
+        |name: &str, bytes: &str| fs::write(folder.path().join(name), bytes).expect("written");
+    let head = "ncols 4\nnrows 4\nxllcenter 7.98\nyllcenter 45.98\ncellsize 0.02\n";
+    let row = format!("{heights}\n");
+    put("ground.asc", &(head.to_owned() + &row.repeat(4)));
+    put("ground.prj", "EPSG:4326");
+    for (name, rows) in missions {
+        put(
+            name,
+            &format!("QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n{rows}"),
+        );
+    }
+    folder
+}
+
+fn reviewed(folder: &tempfile::TempDir, flags: &[&str]) -> (Option<i32>, String) {
+    let ground = ["review", "--terrain", "ground.asc"];
+    let output = sortie(folder.path(), &[&ground, flags].concat());
+    let said = text(&output.stdout) + &text(&output.stderr);
+    (output.status.code(), said)
+}
+
+/// The lag of a slope is nothing where the slope begins.
+#[test]
+fn a_plane_over_flat_ground_passes_without_a_least_height() {
+    let rows = "1\t0\t3\t22\t10\t0\t0\t0\t46.0\t8.003\t80\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.0\t8.02\t80\t1\n3\t0\t3\t16\t0\t0\t0\t0\t46.015\t8.02\t80\t1\n4\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n";
+    let folder = over_ground("500 500 500 500", &[("a.waypoints", rows.to_owned())]);
+    for autopilot in ["ardupilot", "px4"] {
+        for least_m in ["0", "5"] {
+            let flags = [
+                "a.waypoints",
+                "--airframe",
+                "plane",
+                "--autopilot",
+                autopilot,
+            ];
+            let (_, said) = reviewed(&folder, &[&flags[..], &["--min-agl", least_m]].concat());
+            assert!(!said.contains("FAIL a: terrain clearance"), "{said}");
+        }
+    }
+}
+
+/// 25 m above terrain that rises by 150 m on 100 m ArduCopter 4.7.0-beta1 flew 14 m below it.
+#[test]
+fn a_copter_that_follows_ground_steeper_than_it_climbs_fails() {
+    let rows = |frame: u8| {
+        format!(
+            "1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n2\t0\t{frame}\t16\t0\t0\t0\t0\t46.0\t8.03\t50\t1\n3\t0\t{frame}\t16\t0\t0\t0\t0\t46.0\t8.035\t50\t1\n4\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n"
+        )
+    };
+    // 1000 m up on 1500 m.
+    let missions = [("a.waypoints", rows(10))];
+    let folder = over_ground("500 500 1500 1500", &missions);
+    let (code, said) = reviewed(&folder, &["a.waypoints", "--airframe", "copter"]);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(said.contains("FAIL a: climb speed"), "{said}");
+}
+
+/// A stock ArduCopter made 10.2 m/s of 25 and was 155 s late at the crossing.
+#[test]
+fn a_speed_that_no_stock_copter_reaches_fails_where_times_are_judged() {
+    let rows = |mps: u32, north: f64| {
+        format!(
+            "1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n2\t0\t2\t178\t1\t{mps}\t-1\t0\t0\t0\t0\t1\n3\t0\t3\t16\t0\t0\t0\t0\t{north}\t8.02\t50\t1\n4\t0\t3\t21\t0\t0\t0\t0\t{north}\t8.02\t0\t1\n"
+        )
+    };
+    let missions = [
+        ("a.waypoints", rows(25, 46.01)),
+        ("b.waypoints", rows(5, 45.99)),
+    ];
+    let folder = over_ground("500 500 500 500", &missions);
+    let files = ["a.waypoints", "b.waypoints", "--airframe", "copter"];
+    let apart = [&files[..], &["--separation", "1"]].concat();
+    let (_, said) = reviewed(&folder, &apart);
+    assert!(said.contains("FAIL a: airspeed"), "{said}");
+    assert!(!said.contains("FAIL b: airspeed"), "{said}");
+    // Where it is does not depend on when.
+    let (code, said) = reviewed(&folder, &[files[0], files[2], files[3]]);
+    assert_eq!(code, Some(0), "{said}");
+}
