@@ -121,8 +121,10 @@ pub struct Behaviour {
     /// The vehicle may be this late from its takeoff on, seconds. Two vehicles of one autopilot
     /// and airframe are equally late within 5.5 s, which `time_slack_s` covers.
     pub takeoff_late_s: Figure,
-    /// A plane may have lost up to this much from its climb-out on, more or less than others of its kind, seconds.
+    /// It may have lost up to this much at the end of its climb, more or less than others of its kind, seconds.
     pub climb_late_s: Figure,
+    /// A wing may fly faster through the air than planned by this share.
+    pub faster_share: Figure,
     /// A stop may take this much longer than in the flight model, seconds.
     pub stop_late_s: Figure,
     /// A leg may take this much longer than in the flight model, seconds.
@@ -200,12 +202,13 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 21] {
+    pub fn figures(&self) -> [(&'static str, Figure); 22] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("early_share", self.early_share),
             ("takeoff_late_s", self.takeoff_late_s),
             ("climb_late_s", self.climb_late_s),
+            ("faster_share", self.faster_share),
             ("stop_late_s", self.stop_late_s),
             ("leg_late_s", self.leg_late_s),
             ("late_share", self.late_share),

@@ -44,6 +44,7 @@ pub(crate) fn copter() -> Vehicle {
         endurance: None,
         fence_points: None,
         return_amsl: None,
+        wind: None,
         wing: None,
     }
 }

@@ -80,6 +80,8 @@ pub struct Vehicle {
     pub endurance: Option<Endurance>,
     /// Only with it may NAV_RETURN_TO_LAUNCH be written.
     pub return_amsl: Option<Amsl>,
+    /// The wind of the spec: it carries what holds its airspeed.
+    pub wind: Option<Wind>,
     /// What only planes and vtol have; none for a copter.
     pub wing: Option<Wing>,
 }
@@ -160,8 +162,6 @@ pub struct Wing {
     pub landing: Option<Landing>,
     /// Radius of circling, metres, not below the turn radius.
     pub loiter_radius_m: f64,
-    /// The wind of the spec: it carries what holds its airspeed.
-    pub wind: Option<Wind>,
     /// The ceiling of the area, where a wing is fastest at its indicated airspeed.
     pub ceiling: Amsl,
 }
@@ -321,10 +321,11 @@ impl Vehicle {
         }
     }
 
-    /// The wind that carries it, if any does.
+    /// The wind that carries it, if any does: a copter holds its ground speed.
     #[must_use]
     pub fn carried_by(&self) -> Option<Wind> {
-        self.wing?.wind.filter(|wind| wind.speed_mps > 0.0)
+        self.wing?;
+        self.wind.filter(|wind| wind.speed_mps > 0.0)
     }
 
     /// The wind into which it lands on a course that the spec leaves open; none where there is no such

@@ -299,6 +299,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         endurance: None,
         fence_points: None,
         return_amsl: None,
+        wind: None,
         wing: None,
     }
 }

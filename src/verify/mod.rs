@@ -195,8 +195,8 @@
 //! ends in the air, stays for ever.
 //!
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter or vtol of ArduPilot may be up to
-//! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 13.5 s early; two of one
-//! autopilot and airframe are so alike. A wing of
+//! 12 s late (that vtol also 4 s early), of PX4 a copter 14 s and a vtol 30 s, and a plane up to 15 s early; two of one
+//! autopilot and airframe are so alike. A copter of PX4 may lose 12 s more in its climb, each on its own. A wing of
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by, from where it brakes for it on, to each
 //! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of

@@ -101,8 +101,9 @@ fn every_shipped_wing_flies_its_mission_in_wind_too() {
                 // The verdict fails a QuadPlane in more than 4.
                 speed_mps: most.map_or(5.0, |most| most.value.min(5.0)),
             });
+            spec.vehicles[0].wind = spec.wind;
             let wing = spec.vehicles[0].wing.as_mut().expect("a wing");
-            (wing.wind, wing.loiter_radius_m) = (spec.wind, radius_m);
+            wing.loiter_radius_m = radius_m;
             // As in a file: a VTOL that lands does so into the wind.
             let into_wind = Landing {
                 heading_rad: None,
@@ -256,8 +257,9 @@ fn lone_quadplane(wind_mps: f64) -> Planned {
         from_rad: 1.5 * PI,
         speed_mps: wind_mps,
     });
+    vehicle.wind = wind;
     let wing = vehicle.wing.as_mut().expect("a wing");
-    (wing.wind, wing.loiter_radius_m) = (wind, 120.0);
+    wing.loiter_radius_m = 120.0;
     // Into the wind.
     wing.landing = Some(Landing {
         heading_rad: None,

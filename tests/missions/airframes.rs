@@ -332,8 +332,8 @@ fn in_wind(mut spec: MissionSpec, from_deg: f64, speed_mps: f64) -> MissionSpec 
     });
     spec.wind = wind;
     for vehicle in &mut spec.vehicles {
+        vehicle.wind = wind;
         let wing = vehicle.wing.as_mut().expect("a wing");
-        wing.wind = wind;
         let least_m = turn_radius_by_load_m(vehicle.speed_mps + speed_mps, vehicle.max_load_factor);
         wing.loiter_radius_m = wing.loiter_radius_m.max(1.25 * least_m);
     }
@@ -816,7 +816,8 @@ fn clearance_outside_a_corner(mut vehicle: Vehicle) -> f64 {
 fn arduplane_is_judged_where_it_swings_out_of_a_corner() {
     let exact_m = clearance_outside_a_corner(vtol(Autopilot::Px4));
     assert!((exact_m - 70.0).abs() < 1.0, "{exact_m}");
-    // A second implementation of the law, in Python, has it 23.8 m outside, 59 m after the corner.
+    // A second implementation of the law, in Python, has it 23.8 m outside, 59 m after the corner, and 9 m more where it
+    // is 8 % faster than planned.
     // A plane that circles at its goal: an approach would lie elsewhere than on the second leg.
     let mut heron = plane(Autopilot::ArduPilot);
     heron.finish = Finish::Loiter;
@@ -824,7 +825,7 @@ fn arduplane_is_judged_where_it_swings_out_of_a_corner() {
         wing.landing = None;
     }
     let swung_m = exact_m - clearance_outside_a_corner(heron);
-    assert!((swung_m - 23.8).abs() < 0.5, "{swung_m}");
+    assert!((swung_m - 32.9).abs() < 0.5, "{swung_m}");
     // A QuadPlane comes to it from anywhere within the hull of its first leg, 3.9 degrees aside. It
     // begins to turn as far before it as any other: by the legs of its mission.
     let from_aside_m = exact_m - clearance_outside_a_corner(vtol(Autopilot::ArduPilot));

@@ -90,6 +90,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         endurance: None,
         fence_points: None,
         return_amsl: None,
+        wind: None,
         wing: None,
     }
 }
@@ -105,7 +106,6 @@ pub fn plane(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
                 glide_rad: 6_f64.to_radians(),
             }),
             loiter_radius_m: 100.0,
-            wind: None,
             ceiling: Amsl(1500.0),
         }),
         ..copter(id, sysid, start, goal)

@@ -266,6 +266,23 @@ fn a_copter_of_px4_with_a_slow_takeoff_is_late_on_its_way_up_already() {
     assert!(!margin.ok, "{margin:?}");
 }
 
+/// Of 1.17 one was 25.5 s late over its home and others 3 s.
+#[test]
+fn a_copter_of_px4_may_dwell_before_its_first_place() {
+    let late_s = |autopilot| {
+        let mut vehicle = slow("alpha", 1, spot(0.0, 0.0), spot(900.0, 0.0));
+        vehicle.autopilot = autopilot;
+        let mission = over(&vehicle, &[waypoint(spot(900.0, 0.0), UP_M)]);
+        let spec = empty_spec(vec![vehicle]);
+        let verified = verified(&spec, &world(&spec), &mission);
+        (verified.takeoff_late_s.most, flown(&verified)[0].late_s)
+    };
+    let (alike_s, own_s) = late_s(Autopilot::Px4);
+    assert!(alike_s + own_s >= 25.5, "{alike_s} {own_s}");
+    assert!(own_s >= 12.0, "{own_s}");
+    assert!(late_s(Autopilot::ArduPilot).1 < 1.0);
+}
+
 #[test]
 fn a_copter_of_px4_is_late_in_a_corner_and_not_behind_it_alone() {
     let (corner, end) = (spot(500.0, 0.0), spot(500.0, 500.0));

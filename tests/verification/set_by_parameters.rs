@@ -109,10 +109,7 @@ fn the_wind_drives_a_quadplane_off_for_as_long_as_the_parameters_of_its_rotors_h
     };
     spec.wind = Some(wind);
     for vehicle in &mut spec.vehicles {
-        vehicle.wing = vehicle.wing.map(|wing| Wing {
-            wind: Some(wind),
-            ..wing
-        });
+        vehicle.wind = Some(wind);
     }
     // 80 m at 0.5 m/s are 160 s, in which 0.8 of the wind goes 512 m.
     let slow = with(&mission, "Q_WP_SPEED_UP", 50.0);

@@ -126,7 +126,7 @@ fn a_mission_that_a_parameter_raises_or_lowers_is_not_judged_as_if_it_did_not() 
     }
 }
 
-/// With a wind from a direction, in the spec and on the wing.
+/// With a wind from a direction, in the spec and on its vehicles.
 fn windy(spec: &mut MissionSpec, from_deg: f64, speed_mps: f64) {
     let wind = Some(Wind {
         from_rad: from_deg.to_radians(),
@@ -134,9 +134,7 @@ fn windy(spec: &mut MissionSpec, from_deg: f64, speed_mps: f64) {
     });
     spec.wind = wind;
     for vehicle in &mut spec.vehicles {
-        if let Some(wing) = &mut vehicle.wing {
-            wing.wind = wind;
-        }
+        vehicle.wind = wind;
     }
 }
 

@@ -15,10 +15,10 @@ RISE_M = 0.02  # two altitudes in whole centimetres
 SLOW_M = 10.0
 # Seconds early and late from the takeoff on.
 FROM_TAKEOFF = {
-    ("ardupilot", "copter"): (0.0, 12.0), ("px4", "copter"): (0.0, 14.0), ("ardupilot", "plane"): (13.5, 0.0),
-    ("px4", "plane"): (13.5, 0.0), ("ardupilot", "vtol"): (4.0, 12.0), ("px4", "vtol"): (0.0, 30.0),
+    ("ardupilot", "copter"): (0.0, 12.0), ("px4", "copter"): (0.0, 14.0), ("ardupilot", "plane"): (15.0, 0.0),
+    ("px4", "plane"): (15.0, 0.0), ("ardupilot", "vtol"): (4.0, 12.0), ("px4", "vtol"): (0.0, 30.0),
 }
-STOP_LATE, PX4_LEG_LATE, CORNER_LATE, COUNTS_AFTER = 4.5, 1.5, 0.2, 600.0
+STOP_LATE, PX4_LEG_LATE, PX4_CLIMB_LATE, CORNER_LATE, COUNTS_AFTER = 4.5, 1.5, 12.0, 0.2, 600.0
 JERK, PX4_TURNING = 1.0, 0.5
 # Change of course, degrees, and the seconds more than overlapping profiles take.
 MORE_DEG = [0, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 180]
@@ -185,7 +185,7 @@ class Flight:
     def takeoff(self, item):
         amsl, _ = self.resolve(item, self.home.at)
         self.knots = [self.home]
-        self.late += self.slow_takeoff()
+        self.late += self.slow_takeoff() + (0.0 if self.ardupilot else PX4_CLIMB_LATE)
         self.lift(amsl)
         if not self.ardupilot and distance(item["at"], self.home.at) > SAME_M:
             self.append(Knot(item["at"], amsl, None, self.speed))

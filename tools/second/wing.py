@@ -15,7 +15,7 @@ TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
 # From so far on PX4 turns the nose of a VTOL to the place of its takeoff, metres.
 LEAST_AHEAD = 20.0
 ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
-PX4_CLIMB_LATE_S = 28.0
+PX4_CLIMB_LATE_S = 31.0
 OFF_M = 0.01  # less than this is no offset
 SMALL_CLIMB_M = 15.0
 CLIMB_OUT_SHARE, OVERSHOOT_M, LATER_SHARE = 0.2, 14.0, 0.3
@@ -87,7 +87,7 @@ class WingFlight(Circles, Flight):
         self.lag = ARDUPILOT_LAG_S if ardupilot else PX4_LAG_S
         small = params.get("ALT_SLOPE_MIN", params.get("GLIDE_SLOPE_MIN", SMALL_CLIMB_M))
         self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
-        self.law = Law(params, n) if ardupilot else Px4Law(params, n) if vehicle["airframe"] == "plane" else None
+        self.law = Law(params, n, vehicle["airframe"] == "plane") if ardupilot else Px4Law(params, n) if vehicle["airframe"] == "plane" else None
         self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
         super().__init__(vehicle, items, ground, 0.0)
 

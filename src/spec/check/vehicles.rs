@@ -214,6 +214,7 @@ impl Checker {
         let endurance = self.endurance(path, keys.endurance.as_ref(), (airframe, climb_mps));
         let retiming = self.retiming(path, keys, (autopilot, airframe));
         Some(Vehicle {
+            wind,
             wing,
             speed_mps,
             max_load_factor: flown.load_factor,

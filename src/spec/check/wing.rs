@@ -69,7 +69,6 @@ impl Checker {
             takeoff_heading_rad: keys.takeoff_heading_deg.map(f64::to_radians),
             landing: self.landing(&at("landing"), keys, flown),
             loiter_radius_m: self.loiter_radius(&at("loiter_radius_m"), keys, flown),
-            wind: flown.wind,
             ceiling: flown.ceiling,
         })
     }

@@ -181,7 +181,6 @@ mod tests {
                 takeoff_heading_rad: None,
                 landing: None,
                 loiter_radius_m: 100.0,
-                wind: None,
                 ceiling: Amsl(500.0),
             };
             let vehicle = Vehicle {

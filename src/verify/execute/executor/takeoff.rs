@@ -82,7 +82,9 @@ impl Pilot<'_> {
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
         // A slower climb is late on its way up already.
-        self.trajectory.late_s += slow_takeoff_s(mission, self.rotors.climb_mps);
+        let behaviour = &self.vehicle.facts().behaviour;
+        self.trajectory.late_s += slow_takeoff_s(mission, self.rotors.climb_mps)
+            + behaviour.climb_late_s.value(self.vehicle.autopilot_version);
         self.lift(row, amsl_m, self.rotors.climb_mps, Some(Column::Ground));
         let aside = at.map(|at| self.reach(row, at)).transpose()?;
         let aside = aside.filter(|at| at.distance_m(home.at) > SAME_PLACE_M);

@@ -26,6 +26,10 @@ const LEAD_S: f64 = 1.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guidance {
     pub(super) law: Law,
+    /// Speed through the air, as a share of that of the leg.
+    pub(super) pace: f64,
+    /// It may be faster than planned by this share.
+    pub(super) faster_share: f64,
     pub(super) bank_rad: f64,
     /// Share of a coordinated turn that turns the wing.
     pub(super) turning_share: f64,
@@ -88,6 +92,8 @@ impl Guidance {
         let planned_rad = (1.0 / vehicle.max_load_factor).acos();
         Some(Self {
             law,
+            pace: 1.0,
+            faster_share: facts.behaviour.faster_share.value(version),
             bank_rad: held(bank).map_or(planned_rad, f64::to_radians),
             turning_share,
             bank_lag_s: facts.behaviour.bank_lag_s.value(version),
@@ -95,15 +101,20 @@ impl Guidance {
         })
     }
 
-    /// The ways in which a version may turn onto the next leg, each to be judged.
+    /// The ways in which a version may turn onto the next leg, each to be judged: ArduPlane may be faster than planned.
     pub(crate) fn variants(self, version: Option<Version>) -> impl Iterator<Item = Self> {
-        let laws = match self.law {
-            Law::L1(_) => [Some(self.law), None, None, None],
-            Law::Npfg(npfg) => npfg.variants(version).map(|law| law.map(Law::Npfg)),
+        let faster = 1.0 + self.faster_share;
+        let ways = match self.law {
+            Law::L1(_) => {
+                let faster = (self.faster_share > 0.0).then_some((self.law, faster));
+                [Some((self.law, 1.0)), faster, None, None]
+            }
+            Law::Npfg(npfg) => npfg
+                .variants(version)
+                .map(|law| Some((Law::Npfg(law?), 1.0))),
         };
-        laws.into_iter()
-            .flatten()
-            .map(move |law| Self { law, ..self })
+        let ways = ways.into_iter().flatten();
+        ways.map(move |(law, pace)| Self { law, pace, ..self })
     }
 
     /// The motion through the air, m/s, of a wing that makes a ground speed along a line.
@@ -176,7 +187,7 @@ impl Guidance {
         let turns = std::iter::once(turn_rad);
         let turns = turns.chain(all.windows(2).map(|pair| pair[0].turn_rad(&pair[1])));
         let turns: Vec<f64> = turns.collect();
-        let before_m = self.turn_distance_m(turn_rad, ground_mps, Amsl(first.amsl_m));
+        let before_m = self.turn_distance_m(turn_rad, self.pace * ground_mps, Amsl(first.amsl_m));
         let begin = along.before_end((before_m + LEAD_S * ground_mps).min(along.length_m));
         let wing = self.on_line(&along, begin, ground_mps);
         all.insert(0, along);
@@ -205,7 +216,7 @@ impl Guidance {
             heading_rad,
             bank_rad: 0.0,
             integral_rad: 0.0,
-            motion: self.over_ground(heading_rad, self.air_mps(line, ground_mps)),
+            motion: self.over_ground(heading_rad, self.pace * self.air_mps(line, ground_mps)),
         }
     }
 
@@ -223,9 +234,9 @@ impl Guidance {
             let (line, speed_mps): (&Line, f64) = (&lines[leg], grounds_mps[leg]);
             let before_m = turns_rad.get(leg).map_or(0.0, |turn_rad| {
                 let at = Amsl(knots[leg + 1].amsl_m);
-                self.turn_distance_m(*turn_rad, speed_mps, at)
+                self.turn_distance_m(*turn_rad, self.pace * speed_mps, at)
             });
-            (line, before_m, self.air_mps(line, speed_mps))
+            (line, before_m, self.pace * self.air_mps(line, speed_mps))
         };
         let bank_share = 1.0 - (-STEP_S / self.bank_lag_s).exp();
         let (mut t_s, mut leg, mut fixes) = (0.0, 0, Vec::new());
@@ -349,6 +360,8 @@ mod tests {
                 damping: 0.75,
                 wp_radius_m,
             }),
+            pace: 1.0,
+            faster_share: behaviour.faster_share.value(None),
             bank_rad: bank_deg.to_radians(),
             turning_share: behaviour.turning_share.value(None),
             bank_lag_s: behaviour.bank_lag_s.value(None),

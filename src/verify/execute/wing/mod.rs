@@ -15,7 +15,7 @@
 //! (ArduPlane). As long as its height above the ground of the lift-off is less than twice `min_agl_m` with its
 //! buffer, half of that height must be clear; from there on it is a leg as any other.
 //!
-//! A plane of PX4 is up to 28 s late from there on. Each is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
+//! A plane of PX4 is up to 31 s late from there on. Each is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
 //! the altitude at 0.2, and straight to the next place from there and from 0.1, 0.2 and 0.3 of what is left of the
 //! way. In wind each of these points is anywhere up to as far downwind as the wind goes in 0.32 (PX4: 0.1) of the
 //! time that `climb_mps` takes.
@@ -53,7 +53,7 @@
 //! leg. With `n` the sum of the three, at most 90 degrees, the law demands `4 z^2 v^2 sin(n) / L` to the left, by
 //! the bank whose tangent is that over `g`, at most `ROLL_LIMIT_DEG` or else that of the load factor. The bank
 //! follows within 0.5 s (an error of it falls to `1/e`), and 0.7 of what it gives turns the wing. The speed through
-//! the air is that of the leg.
+//! the air is that of the leg; a second way is judged with 1.08 of that (a plane was 1.08 times as fast behind its climb-out).
 //!
 //! It begins at the first place on the course of the first leg, and takes the next leg abeam of the end of one, or
 //! where that end is nearer than `WP_RADIUS` (90 m) times the square of the true over the indicated airspeed, or
