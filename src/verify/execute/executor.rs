@@ -38,8 +38,13 @@ const REACH_M: f64 = 500_000.0;
 fn other_flight(mission: &VehicleMission) -> Option<String> {
     let mut known = mission.facts().judged_with.iter();
     known.find_map(|(name, judged)| {
-        let held = mission.param(name).filter(|held| !judged.knows(*held))?;
-        Some(format!("a flight with {name} {held} (judged: {judged})"))
+        let held = mission
+            .params
+            .iter()
+            .find(|param| param.name == *name)?
+            .value;
+        let is_other = !judged.knows(f64::from(held));
+        is_other.then(|| format!("a flight with {name} {held} (judged: {judged})"))
     })
 }
 

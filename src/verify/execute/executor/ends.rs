@@ -4,6 +4,7 @@ use super::{Pilot, SAME_PLACE_M};
 use crate::autopilot::{Autopilot, Motion, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, ParamFence, VehicleMission, command, cruise_speed_mps};
+use crate::numeric::digits::float32;
 use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
@@ -35,7 +36,7 @@ fn other_return(mission: &VehicleMission) -> Option<String> {
     known.find_map(|(name, value)| {
         let held = mission.param(name)?;
         let is_it = (held - value).abs() < 0.5;
-        (!is_it).then(|| format!("a return with {name} {held}"))
+        (!is_it).then(|| format!("a return with {name} {}", float32(held)))
     })
 }
 
