@@ -203,7 +203,11 @@ impl Pilot<'_> {
             if orders.repeats.is_some_and(|(_, again)| again == index) {
                 first = self.trajectory.chords.len();
             }
-            if let Err(unknown) = self.obey(step, &orders.after(index, mission), mission) {
+            let obeyed = self.trajectory.within_bound(step.row).and_then(|()| {
+                let next = orders.after(index, mission);
+                self.obey(step, &next, mission)
+            });
+            if let Err(unknown) = obeyed {
                 // What is flown before it is still judged; troubles on the way there come first.
                 return self.stop().err().or(Some(unknown));
             }
