@@ -352,7 +352,7 @@ impl Pilot<'_> {
                 self.glide(row, at, height)?;
             }
             Order::Land { at } => {
-                self.land(row, at, self.present_height(&mission.items[row - 1]))?;
+                self.land(row, at, mission)?;
             }
             Order::Return => self.return_home(row, mission)?,
         }
