@@ -163,6 +163,9 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("FENCE_MARGIN", 2.0, M),
     until_4_7(p(COPTER_LEAN[1], 3000.0, CDeg)),
     since_4_7(p(COPTER_LEAN[0], 30.0, Deg)),
+    // 0: the greatest lean angle.
+    p("PSC_ANGLE_MAX", 0.0, Deg),
+    p("OA_TYPE", 0.0, Number),
 ];
 
 /// ArduPlane (defaults of L1 and slope also in `AP_L1_Control.cpp`, `ArduPlane/Parameters.cpp`).
@@ -200,6 +203,13 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     // Above 0 a waypoint that is missed by more is circled.
     p("WP_MAX_RADIUS", 0.0, M),
     p("FLIGHT_OPTIONS", 0.0, Number),
+    p("MIN_GROUNDSPEED", 0.0, Mps),
+    until_4_5(p("MIN_GNDSPD_CM", 0.0, CmPs)),
+    p("SOAR_ENABLE", 0.0, Number),
+    // As its simulators have them; a vehicle comes with 0, 0 and 0.
+    p("ARSPD_ENABLE", 1.0, Number),
+    p("ARSPD_TYPE", 2.0, Number),
+    p("ARSPD_USE", 1.0, Number),
     p("FENCE_ENABLE", 0.0, Number),
     p("FENCE_TYPE", 4.0, Number),
     p("FENCE_ACTION", 1.0, Number),
@@ -218,6 +228,8 @@ pub const PX4_LEAN: &str = "MPC_TILTMAX_AIR";
 
 /// A QuadPlane, besides those of ArduPlane.
 pub(super) const QUADPLANE: &[ParameterRow] = &[
+    p("Q_ENABLE", 1.0, Number),
+    p("Q_OPTIONS", 0.0, Number),
     p("Q_ASSIST_SPEED", 0.0, Mps),
     p("Q_TRANS_DECEL", 2.0, Mps2),
     until_4_7(p("Q_WP_SPEED_UP", 250.0, CmPs)),
@@ -233,6 +245,10 @@ pub(super) const QUADPLANE: &[ParameterRow] = &[
 pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("MPC_XY_CRUISE", 5.0, Mps),
     p("MPC_XY_VEL_MAX", 12.0, Mps),
+    // Below 0: none of the parameters that they would set are set.
+    p("MPC_XY_VEL_ALL", -10.0, Mps),
+    p("MPC_Z_VEL_ALL", -3.0, Mps),
+    p("SYS_VEHICLE_RESP", -0.4, Number),
     p("MPC_ACC_HOR", 3.0, Mps2),
     p("MPC_ACC_UP_MAX", 4.0, Mps2),
     p("MPC_Z_V_AUTO_UP", 3.0, Mps),
@@ -265,6 +281,7 @@ pub(super) const PX4_WING: &[ParameterRow] = &[
     p("FW_AIRSPD_TRIM", 15.0, Mps),
     p("FW_AIRSPD_MIN", 10.0, Mps),
     p("FW_AIRSPD_MAX", 20.0, Mps),
+    p("FW_GND_SPD_MIN", 5.0, Mps),
     p("FW_R_LIM", 50.0, Deg),
     p("FW_T_CLMB_MAX", 5.0, Mps),
     p("FW_T_CLMB_R_SP", 3.0, Mps),
@@ -330,6 +347,7 @@ const RENAMED: &[[&str; 2]] = &[
     ["AIRSPEED_MAX", "ARSPD_FBW_MAX"],
     ["ROLL_LIMIT_DEG", "LIM_ROLL_CD"],
     ["RTL_ALTITUDE", "ALT_HOLD_RTL"],
+    ["MIN_GROUNDSPEED", "MIN_GNDSPD_CM"],
 ];
 
 /// The other name of a parameter that a version renamed.

@@ -15,6 +15,14 @@ pub fn plain(value: f64) -> String {
     }
 }
 
+/// A value that a file or a vehicle holds as a float32, with the digits that it has there: 6.1, not
+/// 6.099999904632568.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "it is a float32")]
+pub fn float32(value: f64) -> String {
+    (value as f32).to_string()
+}
+
 /// A number with `digits` digits, or with as many more as distinguish it from the limit that it
 /// is held against.
 #[must_use]
@@ -34,7 +42,15 @@ pub fn distinct_from(value: f64, limit: f64, digits: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{distinct_from, plain};
+    use super::{distinct_from, float32, plain};
+
+    #[test]
+    fn a_float32_has_the_digits_that_its_file_has() {
+        for text in ["6.1", "-10", "0.8", "16384", "NaN", "inf"] {
+            let held: f32 = text.parse().expect("a number");
+            assert_eq!(float32(f64::from(held)), text);
+        }
+    }
 
     #[test]
     fn a_number_differs_from_its_limit_by_the_fewest_digits() {

@@ -287,6 +287,38 @@ fn none_is_started_when_one_is_not_as_assumed_and_what_differs_is_named() {
 }
 
 #[test]
+fn none_is_started_with_a_parameter_on_board_that_the_verdict_does_not_judge() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let with = |value: f32| {
+        let (index, mission) = &plan.dispatched.missions[2];
+        let mut params = parameters(mission);
+        params.push(("OA_TYPE".to_owned(), value));
+        let surroundings = Surroundings {
+            params,
+            ..Surroundings::default()
+        };
+        let profile = plan.spec.vehicles[*index].autopilot.into();
+        let mut vehicles = plan.vehicles();
+        vehicles[2] = Vehicle::within(profile, 3, Some(mission.home), surroundings, Time(0));
+        vehicles
+    };
+    // Nor is it set.
+    for sets in [false, true] {
+        let mut sky = Sky::new(plan.fleet(sets, true), with(1.0));
+        let Outcome::NotStarted(why) = sky.fly_out() else {
+            panic!("it was started");
+        };
+        assert_eq!(why.len(), 1, "{why:?}");
+        let text =
+            "parameter OA_TYPE is 1 (judged: 0): the verdict does not know how it flies with that";
+        let is_named = why[0].0 == "charlie" && why[0].1.contains(text);
+        assert!(is_named, "{why:?}");
+    }
+    let mut sky = Sky::new(plan.fleet(false, true), with(0.0));
+    sky.fly_to(1.0);
+}
+
+#[test]
 fn who_is_silent_is_told_with_those_alone_that_are_heard_on_its_link() {
     let plan = plan(three(), OnLinkLoss::Continue);
     let why = |vehicles: Vec<Vehicle>| {

@@ -263,14 +263,14 @@ fn a_second_threat_is_gone_around_without_forgetting_the_first() {
 #[test]
 fn a_new_path_that_cannot_keep_the_buffers_keeps_the_limits_and_a_warning_says_so() {
     // The goal is 8 m outside of the threat, and the buffer is 10 m.
-    let second = lanes("-84.235")
+    let second = lanes("-84.250")
         .replace("sortie: 1", "sortie: 2")
         .replace("speed_mps: 15", "speed_mps: 9");
     let (folder, runs) = planned("lanes", &second);
     // It plans twice, with the buffers and without: a third of the speed-up, so that a busy machine has the time.
     let mut flight = take_off(folder.path(), "lanes.yaml", "3");
     wait_for(&runs, "alpha", 30.0);
-    let threat = "--threat=36.300,-84.236761,150";
+    let threat = "--threat=36.300,-84.251761,150";
     let output = sortie(folder.path(), &["replan", "lanes.yaml", threat]);
     let errors = text(&output.stderr);
     let told = text(&output.stdout);

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use super::flight_truth::{ARMED, change, count, sky, two};
-use crate::support::sky::{Planned, Sky, parameters};
+use crate::support::sky::{Planned, Sky, parameters, plan_shipped};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::verify::{Flown, Limit};
@@ -49,6 +49,53 @@ fn a_link_that_gets_slower_makes_no_time_without_a_position() {
     );
     let stale = count(&sky, "alpha", "no position for");
     assert_eq!(stale, 0, "{:?}", sky.events);
+}
+
+/// Found in noisy flights: a plane was said to skip a waypoint when the message with its row came after it had passed it.
+#[test]
+fn a_row_that_is_said_after_its_waypoint_was_passed_is_no_skip() {
+    let plan = plan_shipped("plane-px4", |spec| spec.planner.evaluations = 6000);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    let sent = RefCell::new(VecDeque::new());
+    sky.down = Some(Box::new(move |now, from, message| {
+        let mut heard = vec![(from, message.clone())];
+        if let Message::MissionCurrent { .. } = &message {
+            heard.clear();
+            sent.borrow_mut().push_back((now + 2500, message));
+        }
+        let mut sent = sent.borrow_mut();
+        while sent.front().is_some_and(|(due, _)| *due <= now) {
+            heard.extend(sent.pop_front().map(|(_, message)| (from, message)));
+        }
+        heard
+    }));
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    assert_eq!(count(&sky, "gannet", "skips"), 0, "{:?}", sky.events);
+}
+
+/// Found over hostile sockets: each acknowledgement put the alarm off by another second and a half, until the landing.
+#[test]
+fn a_station_that_writes_again_and_again_is_an_alarm_as_if_it_wrote_once() {
+    let plan = two();
+    let mut sky = sky(&plan);
+    sky.fly_to(45.0);
+    sky.down = Some(Box::new(|_, from, message| {
+        let written = Message::Mission(MissionMessage {
+            target: OTHER,
+            mission_type: 0,
+            body: Body::Ack {
+                result: MissionResult::ACCEPTED,
+                opaque_id: 0,
+            },
+        });
+        let is_beat = from.system == 1 && matches!(message, Message::Heartbeat(_));
+        let mut heard = vec![(from, message)];
+        heard.extend(is_beat.then_some((from, written)));
+        heard
+    }));
+    sky.fly_to(49.0);
+    let text = "ALARM mission: acknowledged a mission, or that it was cleared, to system 255";
+    assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);
 }
 
 #[test]

@@ -52,33 +52,38 @@ fn wait_until(runs: &Path, vehicle: &str, is_so: &dyn Fn(f64, f64) -> bool) {
 
 #[test]
 fn a_vehicle_in_its_landing_descent_keeps_its_mission_and_nobody_from_a_new_path() {
-    // The second hill is higher than the descent is long.
-    for (autopilot, airframe, hill_m) in [
-        ("ardupilot", "copter", "1"),
-        ("px4", "copter", "60"),
-        ("ardupilot", "vtol", "60"),
-        ("px4", "vtol", "1"),
-    ] {
-        let (folder, runs) = planned("landing", &landing((autopilot, airframe), hill_m));
-        let mut flight = take_off(folder.path(), "landing.yaml", "10");
-        wait_until(&runs, "alpha", &|t_s, amsl_m| t_s > 60.0 && amsl_m < 430.0);
-        // Where alpha has been; and on the path of bravo.
-        for (threat, led) in [("36.2900,-84.2720,100", 0), ("36.3100,-84.2600,150", 1)] {
-            let threat = format!("--threat={threat}");
-            let output = sortie(folder.path(), &["replan", "landing.yaml", &threat]);
-            let said = text(&output.stdout) + &text(&output.stderr);
-            let case = format!("{autopilot} {airframe}, {threat}: {said}");
-            assert!(output.status.success(), "{case}");
-            assert_eq!(said.matches("on its new path").count(), led, "{case}");
+    // The second hill is higher than the descent is long. They wait for the clock: the two airframes at the same time.
+    let cases = [
+        [("ardupilot", "copter", "1"), ("px4", "copter", "60")],
+        [("ardupilot", "vtol", "60"), ("px4", "vtol", "1")],
+    ];
+    std::thread::scope(|scope| {
+        for of_airframe in cases {
+            scope.spawn(move || of_airframe.map(keeps_its_mission));
         }
-        assert!(flight.0.wait().expect("it ends").success());
-        let flown = json(&runs.join("flight.json"));
-        assert_eq!(
-            flown["verdict"], "pass",
-            "{autopilot} {airframe}: {flown:#}"
-        );
-        assert_eq!(flown["vehicles"][0]["end"], "landed", "{flown:#}");
+    });
+}
+
+fn keeps_its_mission((autopilot, airframe, hill_m): (&str, &str, &str)) {
+    let (folder, runs) = planned("landing", &landing((autopilot, airframe), hill_m));
+    let mut flight = take_off(folder.path(), "landing.yaml", "10");
+    wait_until(&runs, "alpha", &|t_s, amsl_m| t_s > 60.0 && amsl_m < 430.0);
+    // Where alpha has been; and on the path of bravo.
+    for (threat, led) in [("36.2900,-84.2720,100", 0), ("36.3100,-84.2600,150", 1)] {
+        let threat = format!("--threat={threat}");
+        let output = sortie(folder.path(), &["replan", "landing.yaml", &threat]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        let case = format!("{autopilot} {airframe}, {threat}: {said}");
+        assert!(output.status.success(), "{case}");
+        assert_eq!(said.matches("on its new path").count(), led, "{case}");
     }
+    assert!(flight.0.wait().expect("it ends").success());
+    let flown = json(&runs.join("flight.json"));
+    assert_eq!(
+        flown["verdict"], "pass",
+        "{autopilot} {airframe}: {flown:#}"
+    );
+    assert_eq!(flown["vehicles"][0]["end"], "landed", "{flown:#}");
 }
 
 #[test]
@@ -119,36 +124,42 @@ fn stop_s(runs: &Path) -> f64 {
 
 #[test]
 fn a_copter_in_a_drop_is_named_and_has_its_new_path_when_it_rests_above_it() {
-    for autopilot in ["ardupilot", "px4"] {
-        let (folder, runs) = planned("drop", &DROP.replace("AUTOPILOT", autopilot));
-        let mut flight = take_off(folder.path(), "drop.yaml", "6");
-        let replan = |threat: &str| {
-            let threat = format!("--threat={threat}");
-            let output = sortie(folder.path(), &["replan", "drop.yaml", &threat]);
-            let said = text(&output.stdout) + &text(&output.stderr);
-            (output.status.code(), format!("{autopilot}: {said}"))
-        };
-        let threat = "36.2900,-84.2660,120";
-        // It comes down 54 m at 2 m/s, is at work for 8 s, and rises.
-        let above_s = stop_s(&runs);
-        let is_down = |t_s: f64, amsl_m: f64| t_s > above_s + 3.0 && amsl_m < 440.0;
-        let is_rising = |t_s: f64, amsl_m: f64| t_s > above_s + 38.0 && amsl_m > 420.0;
-        for is_there in [&is_down as &dyn Fn(f64, f64) -> bool, &is_rising] {
-            wait_until(&runs, "alpha", is_there);
-            let (code, said) = replan(threat);
-            assert_eq!(code, Some(4), "{said}");
-            let why = "(it is in a drop: give the threat again when it rests above it)";
-            assert!(said.contains("alpha cannot avoid popup-1"), "{said}");
-            assert!(said.contains(why), "{said}");
+    std::thread::scope(|scope| {
+        for autopilot in ["ardupilot", "px4"] {
+            scope.spawn(move || rests_above_its_drop(autopilot));
         }
-        wait_until(&runs, "alpha", &|t_s, amsl_m| {
-            t_s > above_s + 45.0 && amsl_m > 459.5
-        });
+    });
+}
+
+fn rests_above_its_drop(autopilot: &str) {
+    let (folder, runs) = planned("drop", &DROP.replace("AUTOPILOT", autopilot));
+    let mut flight = take_off(folder.path(), "drop.yaml", "6");
+    let replan = |threat: &str| {
+        let threat = format!("--threat={threat}");
+        let output = sortie(folder.path(), &["replan", "drop.yaml", &threat]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        (output.status.code(), format!("{autopilot}: {said}"))
+    };
+    let threat = "36.2900,-84.2660,120";
+    // It comes down 54 m at 2 m/s, is at work for 8 s, and rises.
+    let above_s = stop_s(&runs);
+    let is_down = |t_s: f64, amsl_m: f64| t_s > above_s + 3.0 && amsl_m < 440.0;
+    let is_rising = |t_s: f64, amsl_m: f64| t_s > above_s + 38.0 && amsl_m > 420.0;
+    for is_there in [&is_down as &dyn Fn(f64, f64) -> bool, &is_rising] {
+        wait_until(&runs, "alpha", is_there);
         let (code, said) = replan(threat);
-        assert_eq!(code, Some(0), "{said}");
-        assert!(flight.0.wait().expect("it ends").success());
-        let flown = json(&runs.join("flight.json"));
-        assert_eq!(flown["verdict"], "pass", "{autopilot}: {flown:#}");
-        assert_eq!(flown["stops"]["done"], 1, "{autopilot}: {flown:#}");
+        assert_eq!(code, Some(4), "{said}");
+        let why = "(it is in a drop: give the threat again when it rests above it)";
+        assert!(said.contains("alpha cannot avoid popup-1"), "{said}");
+        assert!(said.contains(why), "{said}");
     }
+    wait_until(&runs, "alpha", &|t_s, amsl_m| {
+        t_s > above_s + 45.0 && amsl_m > 459.5
+    });
+    let (code, said) = replan(threat);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(flight.0.wait().expect("it ends").success());
+    let flown = json(&runs.join("flight.json"));
+    assert_eq!(flown["verdict"], "pass", "{autopilot}: {flown:#}");
+    assert_eq!(flown["stops"]["done"], 1, "{autopilot}: {flown:#}");
 }

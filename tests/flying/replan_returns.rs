@@ -54,37 +54,44 @@ fn nearest_m(items: &[serde_json::Value], east_deg: f64) -> f64 {
 
 #[test]
 fn a_new_path_keeps_from_the_way_on_which_another_vehicle_returns_or_is_refused() {
-    for closed in ["", CLOSED] {
-        let (folder, runs) = planned("lanes", &spec(closed));
-        let flight = take_off(folder.path(), "lanes.yaml", "2");
-        wait_for(&runs, "alpha", 88.0);
-        order(&runs, "alpha", 1, RETURN);
-        let (output, told, errors) = replan(folder.path(), "36.3029,-84.2583,250");
-        let of_alpha = lines(&runs)
-            .into_iter()
-            .filter(|line| line["vehicle"] == "alpha");
-        let east_deg = of_alpha.filter_map(|line| line["lon_deg"].as_f64());
-        let east_deg = east_deg.fold(-85.0, f64::max);
-        assert!(east_deg > -84.259, "{east_deg}");
-        assert!(told.contains("alpha     returns"), "{told}");
-        // Farther east alpha was long ago.
-        let east_deg = east_deg.min(-84.2585);
-        let is_led = told.contains("on its new path");
-        if is_led {
-            let done = json(&runs.join("replan.json"));
-            let items = done["vehicles"][0]["items"].as_array().expect("items");
-            let away_m = nearest_m(items, east_deg);
-            assert!(away_m > 97.0, "{away_m} m: {told}");
-        } else {
-            assert_eq!(output.status.code(), Some(4), "{told}{errors}");
-            let why = "m of the way on which alpha returns (at least 100 m)";
-            assert!(
-                errors.contains(why) && errors.contains("bravo cannot avoid"),
-                "{told}{errors}"
-            );
+    // They wait for the clock.
+    std::thread::scope(|scope| {
+        for closed in ["", CLOSED] {
+            scope.spawn(move || keeps_from_a_return(closed));
         }
-        // Where it may go north it does.
-        assert_eq!(is_led, closed.is_empty(), "{told}{errors}");
-        drop(flight);
+    });
+}
+
+fn keeps_from_a_return(closed: &str) {
+    let (folder, runs) = planned("lanes", &spec(closed));
+    let flight = take_off(folder.path(), "lanes.yaml", "2");
+    wait_for(&runs, "alpha", 88.0);
+    order(&runs, "alpha", 1, RETURN);
+    let (output, told, errors) = replan(folder.path(), "36.3029,-84.2583,250");
+    let of_alpha = lines(&runs)
+        .into_iter()
+        .filter(|line| line["vehicle"] == "alpha");
+    let east_deg = of_alpha.filter_map(|line| line["lon_deg"].as_f64());
+    let east_deg = east_deg.fold(-85.0, f64::max);
+    assert!(east_deg > -84.259, "{east_deg}");
+    assert!(told.contains("alpha     returns"), "{told}");
+    // Farther east alpha was long ago.
+    let east_deg = east_deg.min(-84.2585);
+    let is_led = told.contains("on its new path");
+    if is_led {
+        let done = json(&runs.join("replan.json"));
+        let items = done["vehicles"][0]["items"].as_array().expect("items");
+        let away_m = nearest_m(items, east_deg);
+        assert!(away_m > 97.0, "{away_m} m: {told}");
+    } else {
+        assert_eq!(output.status.code(), Some(4), "{told}{errors}");
+        let why = "m of the way on which alpha returns (at least 100 m)";
+        assert!(
+            errors.contains(why) && errors.contains("bravo cannot avoid"),
+            "{told}{errors}"
+        );
     }
+    // Where it may go north it does.
+    assert_eq!(is_led, closed.is_empty(), "{told}{errors}");
+    drop(flight);
 }

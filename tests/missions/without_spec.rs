@@ -562,3 +562,33 @@ fn a_wing_that_cannot_climb_or_descend_as_its_legs_do_fails() {
     assert_eq!(code, Some(0), "{out}{errors}");
     assert!(!out.contains("climb speed (--climb)"), "{out}");
 }
+
+#[test]
+fn jumps_that_repeat_long_circles_or_many_items_fail_at_once_and_name_what_is_allowed() {
+    let circles = Row(18, 3, [255.0, 0.0, 2500.0, 0.0], 46.02, 8.04, 60.0);
+    let (code, said, why) = review(
+        HOME,
+        &[
+            takeoff(),
+            circles,
+            command(177, [2.0, 300.0, 0.0, 0.0]),
+            command(20, [0.0; 4]),
+        ],
+        &["--no-terrain"],
+    );
+    assert_eq!(code, Some(4), "{said}{why}");
+    assert!(said.contains("(allowed: 300000)"), "{said}{why}");
+    let (code, said, why) = review(
+        HOME,
+        &[
+            takeoff(),
+            waypoint(46.0, 8.04, 60.0),
+            waypoint(46.01, 8.04, 60.0),
+            command(177, [2.0, 30_000.0, 0.0, 0.0]),
+            command(20, [0.0; 4]),
+        ],
+        &["--no-terrain"],
+    );
+    assert_eq!(code, Some(4), "{said}{why}");
+    assert!(said.contains("(allowed: "), "{said}{why}");
+}

@@ -34,6 +34,32 @@ fn commands(file: &Path) -> Vec<u16> {
 }
 
 #[test]
+fn a_simulated_vehicle_that_flies_is_not_verified_by_another_one_in_its_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("first");
+    on_board(&missions().join("first.yaml"), &out);
+    let runs = out.with_extension("runs");
+    // As `sortie fly` holds it.
+    let lock = fs::File::create(runs.join(".fly.lock")).expect("a lock");
+    lock.try_lock().expect("nobody flies");
+    let upload = || {
+        let run = sortie(folder.path(), &["upload", "first"]);
+        (run.status.code(), text(&run.stderr), text(&run.stdout))
+    };
+    let (code, why, said) = upload();
+    assert_eq!(code, Some(5), "{why}{said}");
+    let text = "its simulated vehicle belongs to the flight of ";
+    assert!(
+        why.contains(text) && why.contains("nothing was sent"),
+        "{why}"
+    );
+    assert!(!said.contains("verified"), "{said}");
+    drop(lock);
+    let (code, why, said) = upload();
+    assert_eq!(code, Some(0), "{why}{said}");
+}
+
+#[test]
 fn every_autopilot_and_airframe_plans_verifies_uploads_and_reads_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let first = fs::read_to_string(missions().join("first.yaml")).expect("a spec");

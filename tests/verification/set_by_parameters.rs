@@ -215,13 +215,19 @@ fn parameters_that_change_the_flight_unknown_to_the_verdict_fail() {
         failed.map(|margin| margin.note)
     };
     for (name, known, unknown) in [
-        ("MIN_GROUNDSPEED", 0.0, 22.0),
+        ("MIN_GROUNDSPEED", 0.0, 6.1),
+        ("MIN_GNDSPD_CM", 0.0, 610.0),
         ("FLIGHT_OPTIONS", 2.0, 16_384.0),
         ("SOAR_ENABLE", 0.0, 1.0),
+        ("ARSPD_USE", 1.0, 0.0),
+        ("ARSPD_USE", 1.0, 2.0),
+        ("ARSPD_TYPE", 2.0, 0.0),
+        ("ARSPD_ENABLE", 1.0, 0.0),
     ] {
         assert_eq!(judged(name, known), None);
         let note = judged(name, unknown).unwrap_or_default();
-        assert!(note.contains("a flight with"), "{name}: {note}");
+        let words = format!("a flight with {name} {unknown} (");
+        assert!(note.contains(&words), "{name}: {note}");
     }
 }
 

@@ -519,3 +519,40 @@ fn a_wing_on_a_leg_of_a_moment_is_no_further_off_its_line_than_it_climbs_there()
     let found = margin(&spec, &mission, &Limit::TerrainClearance).expect("judged");
     assert!(found.value > 55.0 && found.value < 80.0, "{found:?}");
 }
+
+/// `QuadPlane::do_vtol_land`, `Plane::set_next_WP`: without a place it lands where it is as the item begins.
+#[test]
+fn a_quadplane_lands_where_it_is_without_a_place_and_about_there_if_it_comes_on_its_wing() {
+    let (mut spec, mut mission) = quadplane(Autopilot::ArduPilot);
+    spec.vehicles[0].finish = Finish::Land;
+    let here = Item {
+        x: 0,
+        y: 0,
+        ..at(
+            command::NAV_VTOL_LAND,
+            frame::GLOBAL_RELATIVE_ALT,
+            spot(0.0, 0.0),
+            0.0,
+            0.0,
+        )
+    };
+    mission.items[3] = here;
+    mission.items[2] = waypoint(spot(3000.0, 0.0), UP_M);
+    let judged = |spec: &MissionSpec, mission: &VehicleMission| {
+        margin(spec, mission, &Limit::ItemsJudged).expect("always judged")
+    };
+    let found = judged(&spec, &mission);
+    assert!(found.ok, "{found:?}");
+    // It flies on as it slows down, 81 m and more, and may land some 80 m before its waypoint.
+    for (east_m, is_met) in [(3070.0, true), (2950.0, true), (3600.0, false)] {
+        let near_m = nearest_m(&spec, &mission, spot(east_m, 0.0));
+        assert_eq!(near_m < 10.0, is_met, "{east_m}: {near_m}");
+    }
+    // On its rotors it is where it is.
+    mission.items.drain(1..3);
+    assert!(judged(&spec, &mission).ok);
+    // One of PX4 flies there.
+    let (spec, mut px4) = quadplane(Autopilot::Px4);
+    px4.items[3] = here;
+    assert!(!judged(&spec, &px4).ok);
+}

@@ -139,6 +139,7 @@ class Law:
 class Px4Law(Law):
     turning_share = 0.95
     side = 1  # where the heading is more than 150 degrees off, it turns to the right
+    early = False  # takes the next leg within the switch distance, as 1.18 does
 
     def __init__(self, params, load_factor):
         self.time = params.get("NPFG_PERIOD", 10.0) * params.get("NPFG_DAMPING", 0.7)
@@ -150,7 +151,7 @@ class Px4Law(Law):
         return self.time * max(speed, 1.0)
 
     def before(self, turn, speed, amsl):
-        return self.accept
+        return max(self.accept, self.switch * self.ahead(speed)) if self.early else self.accept
 
     def rates(self, state, leg, air, wind):
         _, _, heading, bank, _ = state
@@ -174,6 +175,8 @@ class Px4Law(Law):
         return east, north, self.turning_share * G * math.tan(bank) / air, (roll - bank) / BANK_LAG_S, 0.0
 
     def both(self, fly):
-        """What it flies to the right and to the left where it may turn either way."""
-        for self.side in (1, -1):
-            yield fly(self)
+        """What it flies to the right and to the left where it may turn either way, and as 1.17 and 1.18 take the next leg:
+        these missions do not say their version."""
+        for self.early in (False, True):
+            for self.side in (1, -1):
+                yield fly(self)

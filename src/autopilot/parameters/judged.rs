@@ -11,6 +11,8 @@ pub enum Judged {
     UpTo(f64),
     /// Below 0.
     Negative,
+    /// Any but this whole number.
+    IsNot(i32),
     /// Any in which none of these bits is set.
     Without(u32),
 }
@@ -21,6 +23,7 @@ impl Judged {
     pub fn knows(self, value: f64) -> bool {
         match self {
             Self::Is(whole) => (value - f64::from(whole)).abs() < 1e-6,
+            Self::IsNot(whole) => (value - f64::from(whole)).abs() >= 0.5,
             Self::UpTo(most) => (0.0..=most).contains(&value),
             Self::Negative => value < 0.0,
             Self::Without(bits) => (0..32).all(|bit| {
@@ -35,6 +38,7 @@ impl fmt::Display for Judged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Is(whole) => write!(f, "{whole}"),
+            Self::IsNot(whole) => write!(f, "not {whole}"),
             Self::UpTo(most) => write!(f, "0 to {most}"),
             Self::Negative => f.write_str("below 0"),
             Self::Without(bits) => write!(f, "without the bits of {bits}"),
@@ -43,18 +47,24 @@ impl fmt::Display for Judged {
 }
 
 const OFF: Judged = Judged::Is(0);
+const ON: Judged = Judged::Is(1);
 /// Below 0 PX4 leaves the parameters alone that these set.
 const UNSET: Judged = Judged::Negative;
 
 /// `PSC_ANGLE_MAX` limits the lean below `ANGLE_MAX`; with `OA_TYPE` it stops at waypoints and goes around.
 pub(in crate::autopilot) const COPTER_JUDGED: &[(&str, Judged)] =
     &[("PSC_ANGLE_MAX", OFF), ("OA_TYPE", OFF)];
-/// `IMMEDIATE_CLIMB_IN_AUTO` (bit 14); in wind a ground speed that is held, up and down in thermals.
+/// `IMMEDIATE_CLIMB_IN_AUTO` (bit 14); in wind a ground speed that is held, up and down in thermals. Without an airspeed
+/// sensor, or with one that counts only at zero throttle (`ARSPD_USE` 2), `AP_TECS::_update_speed` takes its speed to be
+/// the one that it should have, and the throttle alone decides how fast it flies.
 pub(in crate::autopilot) const PLANE_JUDGED: &[(&str, Judged)] = &[
     ("FLIGHT_OPTIONS", Judged::Without(1 << 14)),
     ("MIN_GROUNDSPEED", OFF),
     ("MIN_GNDSPD_CM", OFF),
     ("SOAR_ENABLE", OFF),
+    ("ARSPD_ENABLE", ON),
+    ("ARSPD_TYPE", Judged::IsNot(0)),
+    ("ARSPD_USE", ON),
 ];
 /// Those of `Q_OPTIONS` for an approach on the wing (bit 4) and altitudes of takeoffs (bit 3).
 pub(in crate::autopilot) const QUADPLANE_JUDGED: &[(&str, Judged)] = &[
@@ -62,8 +72,11 @@ pub(in crate::autopilot) const QUADPLANE_JUDGED: &[(&str, Judged)] = &[
     ("MIN_GROUNDSPEED", OFF),
     ("MIN_GNDSPD_CM", OFF),
     ("SOAR_ENABLE", OFF),
+    ("ARSPD_ENABLE", ON),
+    ("ARSPD_TYPE", Judged::IsNot(0)),
+    ("ARSPD_USE", ON),
     ("Q_OPTIONS", Judged::Without(1 << 3 | 1 << 4)),
-    ("Q_ENABLE", Judged::Is(1)),
+    ("Q_ENABLE", ON),
 ];
 /// The first three set others (`MulticopterPositionControl::parameters_update`): speeds, accelerations,
 /// lean; a wing goes faster in wind than planned for the last.
@@ -93,6 +106,9 @@ mod tests {
             (UNSET, -10.0, true),
             (UNSET, 0.0, false),
             (UNSET, 6.1, false),
+            (Judged::IsNot(0), 1.0, true),
+            (Judged::IsNot(0), 0.0, false),
+            (Judged::IsNot(0), f64::NAN, false),
         ] {
             assert_eq!(judged.knows(value), is_known, "{judged} {value}");
         }

@@ -67,6 +67,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         }
         return print_dry_run(&file, &missions, &links);
     }
+    refuse_flown(&file, &missions, &links, &target)?;
     runs::make(&runs::folder(&target))?;
     let tlog = arguments.tlog.as_deref();
     let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
@@ -131,6 +132,26 @@ fn refuse_rejected<'a>(mut files: impl Iterator<Item = &'a PathBuf>) -> Result<(
             Err(Failure::new(Failure::VERDICT, message))
         }
     }
+}
+
+/// A simulated vehicle of a flight has no address in the spec: another one would be started in its place, and nothing be
+/// on board of the one that flies.
+fn refuse_flown(
+    file: &SpecFile,
+    missions: &[(usize, VehicleMission)],
+    links: &[(usize, Link)],
+    target: &Path,
+) -> Result<(), Failure> {
+    let mut all = missions.iter().map(|(vehicle, _)| *vehicle);
+    let simulated = all.find(|vehicle| *link_of(file, *vehicle, links) == Link::Sim);
+    let Some(vehicle) = simulated.filter(|_| runs::is_flown(target)) else {
+        return Ok(());
+    };
+    let (id, out) = (&file.spec.vehicles[vehicle].id, target.display());
+    let message = format!(
+        "{id}: its simulated vehicle belongs to the flight of {out}, which goes on: `sortie replan` changes its mission, or --link {id}=ADDR names another vehicle; nothing was sent"
+    );
+    Err(Failure::new(Failure::TRANSFER, message))
 }
 
 fn print_dry_run(

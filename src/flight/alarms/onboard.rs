@@ -193,7 +193,8 @@ impl Onboard {
                 let is_known = is_sent && self.next.is_none();
                 let written_by = message.accepted_from_other(us);
                 let written_by = written_by.filter(|system| !is_known || *system != us.system);
-                self.written_by = written_by.map(|system| (system, t_s)).or(self.written_by);
+                // Since the first of them: one who writes each second would put the alarm off for ever.
+                self.written_by = (self.written_by).or(written_by.map(|system| (system, t_s)));
             }
             Message::StatusText { text, .. } if explains(text) => {
                 self.cause = Some((format!("the vehicle itself: {}", as_line(text)), t_s));

@@ -113,7 +113,8 @@ impl Watched<'_> {
         let mut items: Vec<usize> = skipped.map(|(_, of)| of.item).collect();
         items.dedup();
         if before != row {
-            self.skips.near.clear();
+            // The message may come after what it says: what was passed shortly before it counts.
+            self.skips.near.retain(|(_, at_s)| *at_s >= t_s - BEFORE_S);
         }
         self.skips.row = Some((row, t_s, here.point));
         self.skips.has_gap = false;

@@ -5,6 +5,7 @@ use super::{AcceptanceProblem, Finding, List, Profile};
 use crate::autopilot::{self, frame};
 use crate::geodesy::LatLon;
 use crate::mission::item::{Item, VehicleMission};
+use crate::numeric::digits::float32;
 
 /// The rule, in a few words.
 pub(super) const RULE: &str = "fence of the parameters";
@@ -94,12 +95,12 @@ impl Fence {
         if let (Some(ceiling_m), Some(above_m)) = (self.ceiling_m, above_m)
             && above_m > ceiling_m - AT_FENCE_M
         {
-            let allowed = format!("below {ceiling_m} m ({})", self.names.ceiling.1);
+            let allowed = format!("below {} m ({})", float32(ceiling_m), self.names.ceiling.1);
             return Some((format!("{above_m:.1} m above home"), allowed));
         }
         let (radius_m, away_m) = (self.radius_m?, away_m?);
         (away_m > radius_m - AT_FENCE_M).then(|| {
-            let allowed = format!("within {radius_m} m ({})", self.names.circle.1);
+            let allowed = format!("within {} m ({})", float32(radius_m), self.names.circle.1);
             (format!("{away_m:.0} m from home"), allowed)
         })
     }
@@ -114,7 +115,7 @@ impl Fence {
         let (floor_m, _) = self.floor_m?;
         let name = self.names.floor?.1;
         (above_m < floor_m + AT_FENCE_M).then(|| {
-            let allowed = format!("above {floor_m} m ({name})");
+            let allowed = format!("above {} m ({name})", float32(floor_m));
             (format!("{above_m:.1} m above home"), allowed)
         })
     }

@@ -34,8 +34,8 @@ impl Unknown {
     }
 }
 
-/// Most orders of a mission; each repetition of a jump counts.
-const MAX_ORDERS: usize = 200_000;
+/// Most orders of a mission; each repetition of a jump counts. Twice what PX4 stores.
+const MAX_ORDERS: usize = 20_000;
 /// The orders of a mission in the sequence in which they are obeyed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Orders {
@@ -142,7 +142,9 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
         }
         next += 1;
     }
-    let why = format!("more than {MAX_ORDERS} orders, jumps included");
+    let why = format!(
+        "more than {MAX_ORDERS} items are flown, those that jumps repeat included (allowed: {MAX_ORDERS}): divide the mission"
+    );
     Some(Unknown { row: next + 1, why })
 }
 

@@ -38,8 +38,13 @@ const REACH_M: f64 = 500_000.0;
 fn other_flight(mission: &VehicleMission) -> Option<String> {
     let mut known = mission.facts().judged_with.iter();
     known.find_map(|(name, judged)| {
-        let held = mission.param(name).filter(|held| !judged.knows(*held))?;
-        Some(format!("a flight with {name} {held} (judged: {judged})"))
+        let held = mission
+            .params
+            .iter()
+            .find(|param| param.name == *name)?
+            .value;
+        let is_other = !judged.knows(f64::from(held));
+        is_other.then(|| format!("a flight with {name} {held} (judged: {judged})"))
     })
 }
 
@@ -210,7 +215,11 @@ impl Pilot<'_> {
             if orders.repeats.is_some_and(|(_, again)| again == index) {
                 first = self.trajectory.chords.len();
             }
-            if let Err(unknown) = self.obey(step, &orders.after(index, mission), mission) {
+            let obeyed = self.trajectory.within_bound(step.row).and_then(|()| {
+                let next = orders.after(index, mission);
+                self.obey(step, &next, mission)
+            });
+            if let Err(unknown) = obeyed {
                 // What is flown before it is still judged; troubles on the way there come first.
                 return self.stop().err().or(Some(unknown));
             }
@@ -359,7 +368,7 @@ impl Pilot<'_> {
                 self.glide(row, at, height)?;
             }
             Order::Land { at } => {
-                self.land(row, at, self.present_height(&mission.items[row - 1]))?;
+                self.land(row, at, mission)?;
             }
             Order::Return => self.return_home(row, mission)?,
         }

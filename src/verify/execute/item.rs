@@ -265,7 +265,7 @@ fn is_harmless_function(function: f32) -> bool {
 fn most_descent_m(param: f32) -> Result<Option<f64>, String> {
     let most_m = seconds(param).map_err(|_| format!("a descent of {param} m at most"))?;
     if most_m > 655.0 {
-        return Err(format!("a descent of {most_m} m at most"));
+        return Err(format!("a descent of {param} m at most"));
     }
     Ok(Some(most_m).filter(|most_m| *most_m > 0.0))
 }

@@ -11,6 +11,9 @@ use crate::verify::measure::surface::Surface;
 /// A curved or accelerated piece is cut into chords that are never further off than this.
 const CHORD_ERROR_M: f64 = 0.02;
 
+/// Most chords of a mission, so that jumps around long circles cannot take all of the memory: 300 000 take some 130 MB.
+const MAX_CHORDS: usize = 300_000;
+
 /// The chords so far, and the time at their end.
 pub(crate) struct TrajectoryBuilder<'a> {
     pub(crate) frame: &'a LocalFrame,
@@ -262,8 +265,20 @@ impl<'a> TrajectoryBuilder<'a> {
         Ok(())
     }
 
+    /// An error where as much is flown as can be judged.
+    pub(crate) fn within_bound(&self, row: usize) -> Result<(), Unknown> {
+        if self.chords.len() < MAX_CHORDS {
+            return Ok(());
+        }
+        let why = format!(
+            "more than {MAX_CHORDS} segments are flown, those that turns and jumps repeat included (allowed: {MAX_CHORDS}): divide the mission"
+        );
+        Unknown::err(row, why)
+    }
+
     /// Lays one chord with its altitudes; over terrain that is followed, several.
     fn lay(&mut self, chord: Chord, line: &AltitudeLine) -> Result<(), Unknown> {
+        self.within_bound(chord.row)?;
         let raised = |at: EastNorth, amsl_m: f64| PlanPoint {
             at,
             amsl: Amsl(amsl_m),

@@ -15,6 +15,7 @@ pub(crate) mod tasks;
 use crate::autopilot::{ParameterRow, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, List, VehicleMission, as_set, command};
+use crate::numeric::digits::float32;
 use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
@@ -307,7 +308,9 @@ impl Contract<'_> {
     /// The same in words.
     fn held_speeds(&self) -> Option<String> {
         let held = self.speed_limits().into_iter();
-        let held: Vec<String> = held.map(|(name, mps)| format!("{name} {mps}")).collect();
+        let held: Vec<String> = held
+            .map(|(name, mps)| format!("{name} {}", float32(mps)))
+            .collect();
         (!held.is_empty()).then(|| held.join(" and "))
     }
 

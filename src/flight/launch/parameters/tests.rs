@@ -1,6 +1,22 @@
 //! Parameters as vehicles answer.
 
 use super::*;
+use crate::autopilot::Judged;
+use crate::mission::Parameter;
+
+fn planned_as(planned: &[Parameter]) -> Vec<Assumed<'_>> {
+    planned.iter().map(Assumed::Planned).collect()
+}
+
+/// Whether a value of the vehicle is as good as the planned one.
+fn suffices(name: &str, held: f32, value: f32) -> bool {
+    let planned = Parameter {
+        name: name.to_owned(),
+        value,
+        why: String::new(),
+    };
+    Assumed::Planned(&planned).suffices(name, held)
+}
 
 /// Checks a vehicle that answers by name, and by the value that is set if one is; none where it does
 /// not know the name. The differences, and when all were read.
@@ -17,7 +33,7 @@ fn checked(
         })
         .collect();
     let mut now = Time(0);
-    let mut check = SettingsCheck::new(&planned, set, false, now);
+    let mut check = SettingsCheck::of(planned_as(&planned), set, false, now);
     let target = Address {
         system: 1,
         component: 1,
@@ -100,7 +116,7 @@ fn a_parameter_that_is_said_to_be_another_one_after_it_was_read_is_named_until_i
             why: String::new(),
         })
         .collect();
-    let mut check = SettingsCheck::new(&planned, false, false, Time(0));
+    let mut check = SettingsCheck::of(planned_as(&planned), false, false, Time(0));
     let says = |check: &mut SettingsCheck<'_>, ms, name: &str, value: f32| {
         check.heard(Time(ms), name, ParamValue::float(value));
         let others = check.others(Time(ms), 0);
@@ -138,7 +154,7 @@ fn a_difference_that_is_flown_all_the_same_is_no_news_and_may_be_one_of_the_retu
         value: 4000.0,
         why: String::new(),
     }];
-    let mut check = SettingsCheck::new(&planned, false, false, Time(0));
+    let mut check = SettingsCheck::of(planned_as(&planned), false, false, Time(0));
     check.heard(Time(0), "RTL_ALT", ParamValue::float(1500.0));
     assert_eq!(check.outcome().map(<[String]>::len), Some(1));
     check.heard(Time(10), "RTL_ALT", ParamValue::float(1500.0));
@@ -216,7 +232,7 @@ fn parameters_are_requested_ahead_once_and_come_in_any_order() {
         system: 1,
         component: 1,
     };
-    let mut check = SettingsCheck::new(&planned, false, false, Time(0));
+    let mut check = SettingsCheck::of(planned_as(&planned), false, false, Time(0));
     assert!(check.poll(Time(0), target).is_some());
     assert_eq!(check.poll_ahead(target).len(), AHEAD - 1);
     assert!(check.poll_ahead(target).is_empty());
@@ -234,4 +250,75 @@ fn parameters_are_requested_ahead_once_and_come_in_any_order() {
     let differences = check.outcome().expect("all are read");
     assert_eq!(differences.len(), 1, "{differences:?}");
     assert!(differences[0].contains("P3 is 7"), "{differences:?}");
+}
+
+/// Parameters with which the verdict knows how a plane is flown, of a vehicle that has these: what differs, and when
+/// all were read.
+fn judged(own: &[(&str, f32)]) -> (Vec<String>, Time) {
+    let assumed = vec![
+        Assumed::Judged("FLIGHT_OPTIONS", Judged::Without(1 << 14)),
+        Assumed::Judged("MIN_GROUNDSPEED", Judged::Is(0)),
+        Assumed::Judged("SOAR_ENABLE", Judged::Is(0)),
+        Assumed::Judged("OTHER", Judged::Is(0)),
+    ];
+    let mut check = SettingsCheck::of(assumed, false, false, Time(0));
+    let target = Address {
+        system: 1,
+        component: 1,
+    };
+    let mut now = Time(0);
+    while check.outcome().is_none() {
+        let mut requests: Vec<Message> = check.poll(now, target).into_iter().collect();
+        requests.extend(check.poll_ahead(target));
+        for request in requests {
+            let Message::Flight(FlightMessage::ParamRead { name, .. }) = request else {
+                panic!("nothing is set: {request:?}");
+            };
+            if let Some((_, value)) = own.iter().find(|(known, _)| *known == name) {
+                check.heard(now, &name, ParamValue::float(*value));
+            }
+        }
+        now = now + REPEAT_MS;
+    }
+    (check.outcome().unwrap_or_default().to_vec(), now)
+}
+
+#[test]
+fn a_vehicle_with_a_parameter_that_the_verdict_does_not_judge_differs_and_one_without_it_does_not()
+{
+    let stock = [("FLIGHT_OPTIONS", 8.0), ("MIN_GROUNDSPEED", 0.0)];
+    assert_eq!(judged(&stock).0, [""; 0]);
+    for (name, value, words) in [
+        ("MIN_GROUNDSPEED", 22.0, "MIN_GROUNDSPEED is 22 (judged: 0)"),
+        ("MIN_GNDSPD_CM", 610.0, "MIN_GNDSPD_CM is 610 (judged: 0)"),
+        ("SOAR_ENABLE", 6.1, "SOAR_ENABLE is 6.1 (judged: 0)"),
+        (
+            "FLIGHT_OPTIONS",
+            16384.0,
+            "FLIGHT_OPTIONS is 16384 (judged: without the bits of 16384)",
+        ),
+    ] {
+        let found = judged(&[(name, value)]).0;
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].contains(words), "{found:?}");
+    }
+    // Those that are missing are waited for at once, not one after the other.
+    let until = judged(&[]).1;
+    assert!(
+        until <= Time((u64::from(MOST) + 1) * REPEAT_MS),
+        "{until:?}"
+    );
+}
+
+#[test]
+fn a_judged_parameter_that_is_set_after_it_was_read_is_named() {
+    let assumed = vec![Assumed::Judged("SOAR_ENABLE", Judged::Is(0))];
+    let mut check = SettingsCheck::of(assumed, false, false, Time(0));
+    check.heard(Time(0), "SOAR_ENABLE", ParamValue::float(0.0));
+    assert_eq!(check.outcome().map(<[String]>::len), Some(0));
+    check.heard(Time(10), "SOAR_ENABLE", ParamValue::float(1.0));
+    let others = check.others(Time(10), 0);
+    assert_eq!(others[0].words(), "SOAR_ENABLE is 1, judged: 0");
+    let why = "it says that SOAR_ENABLE is 1 (judged: 0), after it was checked";
+    assert_eq!(others[0].changed(), why);
 }

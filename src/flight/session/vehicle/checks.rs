@@ -105,8 +105,8 @@ impl FlightVehicle<'_> {
 
     fn begin_settings(&mut self, now: Time) {
         let bytewise = self.autopilot().conventions().bytewise_parameters;
-        let planned = &self.of.mission.params;
-        self.settings = Some(SettingsCheck::new(planned, self.set_params, bytewise, now));
+        let mission = self.of.mission;
+        self.settings = Some(SettingsCheck::new(mission, self.set_params, bytewise, now));
     }
 
     /// Parameters are set of a vehicle only that stands disarmed at its home, and as long as it does: else it is

@@ -26,8 +26,8 @@ impl FlightVehicle<'_> {
         let known = flown.fixes.len();
         self.flown = flown;
         let bytewise = self.autopilot().conventions().bytewise_parameters;
-        let planned = &self.of.mission.params;
-        self.settings = Some(SettingsCheck::of_flight(planned, bytewise, self.now));
+        let mission = self.of.mission;
+        self.settings = Some(SettingsCheck::of_flight(mission, bytewise, self.now));
         let ordered = None;
         self.stage = Stage::Rejoining { known, ordered };
     }

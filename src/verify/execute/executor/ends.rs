@@ -4,6 +4,7 @@ use super::{Pilot, SAME_PLACE_M};
 use crate::autopilot::{Autopilot, Motion, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, ParamFence, VehicleMission, command, cruise_speed_mps};
+use crate::numeric::digits::float32;
 use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
@@ -35,7 +36,7 @@ fn other_return(mission: &VehicleMission) -> Option<String> {
     known.find_map(|(name, value)| {
         let held = mission.param(name)?;
         let is_it = (held - value).abs() < 0.5;
-        (!is_it).then(|| format!("a return with {name} {held}"))
+        (!is_it).then(|| format!("a return with {name} {}", float32(held)))
     })
 }
 
@@ -87,13 +88,19 @@ pub(crate) fn lands_first(items: &[Item]) -> bool {
 }
 
 impl Pilot<'_> {
-    /// Lands at a place, which it flies to at the altitude that it has, or where it is.
+    /// Lands at a place, which it flies to at the altitude that it has, or where it is: within a distance of where it is
+    /// planned to be.
     pub(crate) fn land(
         &mut self,
         row: usize,
         at: Option<LatLon>,
-        keeps: Height,
+        mission: &VehicleMission,
     ) -> Result<(), Unknown> {
+        let around_m = match at {
+            None if self.vehicle.airframe.has_wing() => self.lands_around_m(mission),
+            _ => 0.0,
+        };
+        let keeps = self.present_height(&mission.items[row - 1]);
         if let Some(place) = at {
             let at = self.reach(row, place)?;
             let keeps = match at.distance_m(self.last().at) > SAME_PLACE_M {
@@ -113,7 +120,8 @@ impl Pilot<'_> {
         let top = self.here();
         let first = self.trajectory.chords.len();
         self.touch_down(row)?;
-        self.drift_down(row, (first, top), course_rad);
+        let drift_m = around_m + self.vehicle.landing_drift_m(course_rad);
+        self.drift_down(row, (first, top), drift_m);
         Ok(())
     }
 

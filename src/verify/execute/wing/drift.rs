@@ -1,8 +1,9 @@
 //! The wind drives wings off in their climb, and a QuadPlane leaves it where its nose points.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_PI, TAU};
 
 use crate::geodesy::{EastNorth, PlanPoint};
+use crate::mission::VehicleMission;
 use crate::path::along;
 
 use super::loiter::steps;
@@ -12,6 +13,10 @@ use crate::verify::measure::segment::{Chord, Column};
 
 /// Directions in which a QuadPlane may be driven off on its rotors.
 const SIDES: u32 = 12;
+/// The least deceleration that a transition is taken to have, m/s^2 (the range of `Q_TRANS_DECEL` begins there), and how
+/// fast one flies back on its rotors at least, m/s.
+const MIN_DECEL_MPS2: f64 = 0.2;
+const BACK_MPS: f64 = 2.0;
 
 /// The place where a plane may have its height as far off as the wind may carry it, and those in
 /// between.
@@ -60,15 +65,31 @@ impl Pilot<'_> {
         });
     }
 
-    /// Lays a descent to every side too, as far as the wind may drive the vehicle that came to it on a
-    /// course, to be judged in space; for the separation, widens the chords from one on.
+    /// How far from the place that it headed for a QuadPlane may land that lands where it is, metres. It goes back to where
+    /// the landing began (`Plane::set_next_WP`), which is where it accepted its waypoint, up to the distance of its turns
+    /// (`AP_L1_Control::turn_distance`) before that, and flies on first until it has slowed down. No flight was measured.
+    pub(crate) fn lands_around_m(&mut self, mission: &VehicleMission) -> f64 {
+        let hull_m = self.hull.as_ref().filter(|_| self.knots.len() == 1);
+        let hull_m = hull_m.map(|hull| hull.reach_m);
+        if hull_m.is_none() && self.knots.len() == 1 && self.moving_mps <= 0.0 {
+            return 0.0;
+        }
+        let held = |name: &str| mission.param_or_default_si(name).unwrap_or(0.0);
+        let mps = self.vehicle.top_speed_mps();
+        let turn_m = FRAC_1_PI * held("NAVL1_DAMPING") * held("NAVL1_PERIOD") * mps;
+        let slows_m = 0.5 * mps * mps / held("Q_TRANS_DECEL").max(MIN_DECEL_MPS2);
+        self.trajectory.late_s += slows_m / BACK_MPS;
+        hull_m.unwrap_or(0.0) + turn_m + slows_m
+    }
+
+    /// Lays a descent to every side too, as far as a vehicle may be driven off or come down beside its place, to be judged
+    /// in space; for the separation, widens the chords from one on.
     pub(crate) fn drift_down(
         &mut self,
         row: usize,
         (first, top): (usize, PlanPoint),
-        course_rad: Option<f64>,
+        drift_m: f64,
     ) {
-        let drift_m = self.vehicle.landing_drift_m(course_rad);
         let down = self.here();
         let begun = self.trajectory.chords.get(first);
         let times_s = (begun.map_or(0.0, |chord| chord.from_s), self.trajectory.t_s);

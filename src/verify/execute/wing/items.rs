@@ -81,8 +81,8 @@ fn end(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, Strin
         command::NAV_VTOL_LAND if is_vtol && autopilot == Autopilot::ArduPilot && is_spiral => {
             Err("param1 1 comes down on a spiral on the wing".to_owned())
         }
-        command::NAV_VTOL_LAND if is_vtol => landing(item, autopilot, home),
-        command::NAV_LAND if !is_vtol || forces_vtol(mission) => landing(item, autopilot, home),
+        command::NAV_VTOL_LAND if is_vtol => landing(item, mission, home),
+        command::NAV_LAND if !is_vtol || forces_vtol(mission) => landing(item, mission, home),
         command::NAV_TAKEOFF | command::NAV_VTOL_TAKEOFF => {
             Err("a takeoff of another kind of airframe".to_owned())
         }
@@ -164,8 +164,13 @@ fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, Strin
     })
 }
 
-fn landing(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
+fn landing(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
+    let autopilot = mission.autopilot;
     item::height(item, autopilot, home)?;
+    let is_quadplane = autopilot == Autopilot::ArduPilot && mission.airframe == Airframe::Vtol;
+    if is_quadplane && (item.x, item.y) == (0, 0) {
+        return Ok(Order::Land { at: None });
+    }
     Ok(Order::Land {
         at: Some(place(item)?),
     })

@@ -68,7 +68,7 @@
 //! heading that makes this course in the wind at the speed through the air `a` is turned to by `0.8885 a sin(error)`, an
 //! error of 90 degrees at most (of more than 150 degrees to either side: one way to the left and one to the right is judged), by a bank of `FW_R_LIM` at most, or else that of the load factor. The bank follows within
 //! 0.5 s, and 0.95 of what it gives turns the wing. It takes the next leg abeam of the end of one, or within
-//! `NAV_ACC_RAD` (10 m) of that; from version 1.18 on a second way is judged that takes it within `NPFG_SW_DST_MLT b` of the
+//! `NAV_ACC_RAD` (10 m) of that; from version 1.18 on, and where the version is not known, a second way is judged that takes it within `NPFG_SW_DST_MLT b` of the
 //! speed of the leg, if that is more. The rest is as under the L1 law, without an integral.
 //!
 //! **Arrivals.** After the climb of a QuadPlane these are judged as well for the three legs after the last one that

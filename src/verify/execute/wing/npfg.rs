@@ -51,8 +51,9 @@ impl Npfg {
     }
 
     /// The ways in which this version may turn, and take the next leg: 1.17 was flown, later ones may take it earlier.
+    /// Without a version it may be any of them.
     pub(super) fn variants(self, version: Option<Version>) -> [Option<Self>; 4] {
-        let is_early = version.is_some_and(|version| version >= SWITCHES_EARLY);
+        let is_early = version.is_none_or(|version| version >= SWITCHES_EARLY);
         let way = |early: bool, side: f64| {
             (!early || is_early).then_some(Self {
                 early,
@@ -225,9 +226,9 @@ mod tests {
     }
 
     #[test]
-    fn a_later_version_may_turn_earlier_and_both_ways_are_judged() {
+    fn a_later_version_or_an_unknown_one_may_turn_earlier_and_both_ways_are_judged() {
         let count = |version| guidance().variants(version).count();
-        assert_eq!(count(None), 2);
+        assert_eq!(count(None), 4);
         assert_eq!(count(Some(V1_17)), 2);
         let later = Version { minor: 18, ..V1_17 };
         let ways: Vec<_> = guidance().variants(Some(later)).collect();

@@ -10,6 +10,7 @@ use super::{Contract, count};
 use crate::autopilot::Autopilot;
 use crate::geodesy::LatLon;
 use crate::mission::{self, FENCE_REACH_S, Item, command};
+use crate::numeric::digits::float32;
 use crate::verify::limits::fence::{Fence, boundaries, covers, holds};
 use crate::verify::measure::outline::Part;
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
@@ -114,7 +115,8 @@ impl Contract<'_> {
         let watches = |value: f64| (value / 4.0).floor().rem_euclid(2.0) >= 1.0;
         if let Some(other) = value(kinds).filter(|value| !watches(*value)) {
             why.push(format!(
-                "{kinds} is {other}: polygons and circles are not watched (4)"
+                "{kinds} is {}: polygons and circles are not watched (4)",
+                float32(other)
             ));
         }
         if value("GF_ACTION").is_some_and(|value| value < 0.5) {
