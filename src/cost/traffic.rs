@@ -61,8 +61,6 @@ pub(super) struct Traffic {
     distance_m: f64,
     vertical_m: Option<f64>,
     slack_s: f64,
-    /// Motions further apart than this are in no conflict, metres.
-    reach_m: f64,
     index: Arc<Index>,
 }
 
@@ -157,11 +155,23 @@ impl Ball {
         self.away_sq(other) > touch_m * touch_m
     }
 
+    /// Whether two balls are further apart in the plane or in height than some distances, by more
+    /// than rounding.
+    fn is_beyond(&self, other: &Self, horizontal_m: f64, vertical_m: f64) -> bool {
+        let touch_m = self.radius_m + other.radius_m + 1e-6;
+        let [east_m, north_m, up_m] = self.gap_m(other);
+        let reach_m = touch_m + horizontal_m;
+        up_m.abs() > touch_m + vertical_m || east_m * east_m + north_m * north_m > reach_m * reach_m
+    }
+
     /// Distance of the middles of two, squared.
     fn away_sq(&self, other: &Self) -> f64 {
-        let gap_m = |axis: usize| self.center_m[axis] - other.center_m[axis];
-        let (east_m, north_m, up_m) = (gap_m(0), gap_m(1), gap_m(2));
+        let [east_m, north_m, up_m] = self.gap_m(other);
         east_m * east_m + north_m * north_m + up_m * up_m
+    }
+
+    fn gap_m(&self, other: &Self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.center_m[axis] - other.center_m[axis])
     }
 }
 
@@ -224,7 +234,6 @@ impl Traffic {
         Self {
             distance_m,
             vertical_m,
-            reach_m: distance_m.hypot(vertical_m.unwrap_or(0.0)),
             slack_s,
             index: earlier.index(separation),
         }
@@ -269,7 +278,7 @@ impl Traffic {
         let mut met = Few::default();
         self.index.cells.each(&reach, |number| {
             let run = &self.index.runs[number];
-            if self.is_at_another_time(own, run) || ball.is_apart(&run.ball, self.reach_m) {
+            if self.is_at_another_time(own, run) || self.are_apart(&ball, &run.ball, 1.0) {
                 return;
             }
             met.push(number);
@@ -285,7 +294,7 @@ impl Traffic {
         let mut see = |number: usize| {
             let run = &self.index.runs[number];
             let is_other = number != nearest.1 && !self.is_at_another_time(own, run);
-            if is_other && !ball.is_apart(&run.ball, most(worst.value) * self.reach_m) {
+            if is_other && !self.are_apart(&ball, &run.ball, most(worst.value)) {
                 worst = self.worse_in(own, &ball, run, worst);
             }
         };
@@ -294,6 +303,16 @@ impl Traffic {
             None => self.index.cells.each(&reach, &mut see),
         }
         worst
+    }
+
+    /// Whether two balls are surely further apart than a share of the limits: in the plane or in
+    /// height, as the greater of both ratios counts.
+    fn are_apart(&self, a: &Ball, b: &Ball, share: f64) -> bool {
+        let distance_m = share * self.distance_m;
+        match self.vertical_m {
+            None => a.is_apart(b, distance_m),
+            Some(vertical_m) => a.is_beyond(b, distance_m, share * vertical_m),
+        }
     }
 
     fn is_at_another_time(&self, own: &Segment, run: &Run) -> bool {
@@ -312,7 +331,7 @@ impl Traffic {
     /// The severity of one other motion; nothing, where it is surely below `worst`.
     fn severity_of(&self, own: &Segment, ball: &Ball, other: usize, worst: f64) -> Severity {
         let most = most(worst);
-        if ball.is_apart(&self.index.balls[other], most * self.reach_m) {
+        if self.are_apart(ball, &self.index.balls[other], most) {
             return Severity::default();
         }
         let other = &self.index.segments[other];

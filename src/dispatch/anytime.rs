@@ -2,15 +2,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Dispatched, Run, dispatch_as};
+use super::{Dispatched, Run, budgets, dispatch_as};
 use crate::plan::FleetPlan;
 use crate::spec::MissionSpec;
 use crate::world::World;
 
 /// Evaluations of each vehicle's first plan.
 const FIRST: usize = 250;
-/// Times as many for each further plan.
-const GROWTH: usize = 4;
 
 /// A plan with its missions and the verdict on them.
 #[derive(Clone, Debug)]
@@ -87,6 +85,7 @@ impl<'a> Improving<'a> {
             watch: &|_| (),
             cancel: Some(self.cancel),
             earlier,
+            is_nested: false,
         };
         let dispatched = dispatch_as(&spec, self.world, run);
         (!self.is_cancelled()).then_some(Improved {
@@ -108,7 +107,7 @@ impl Iterator for Improving<'_> {
             let earlier = self.earlier.take();
             let evaluations = self.next?;
             if earlier.is_none() {
-                let more = evaluations.saturating_mul(GROWTH).min(self.most);
+                let more = budgets::after(evaluations).min(self.most);
                 self.next = (evaluations < self.most).then_some(more);
             }
             let found = self.planned(evaluations, earlier)?;

@@ -1,6 +1,7 @@
 //! Plan, encode, verify, and plan again where a limit is violated, in bounded rounds.
 
 mod anytime;
+mod budgets;
 mod crowd;
 mod deconfliction;
 mod freedoms;
@@ -74,6 +75,8 @@ struct Run<'a> {
     cancel: Option<&'a AtomicBool>,
     /// An earlier plan to begin with.
     earlier: Option<&'a FleetPlan>,
+    /// Whether round budgets below that of the spec are tried as well.
+    is_nested: bool,
 }
 
 impl Run<'_> {
@@ -101,6 +104,7 @@ pub fn dispatch(
         watch,
         cancel: None,
         earlier: None,
+        is_nested: true,
     };
     dispatch_as(spec, world, run)
 }
@@ -313,27 +317,34 @@ fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
 }
 
 /// Dispatches a fleet in rounds; where it fails by distances that another search may find, also with
-/// parts of its evaluations: more of them are never worse than those parts.
+/// parts of its evaluations, and of large budgets with smaller ones in any case: more evaluations are
+/// never worse than those.
 fn with_nested_budgets(job: Job<'_>) -> Dispatched {
-    /// How many times smaller these budgets are, and the least.
-    const PARTS: [usize; 2] = [2, 4];
-    const LEAST: usize = 10_000;
     let mut best = dispatch_in_rounds(job);
-    let is_small = job.spec.vehicles.len() <= crowd::MOST;
-    for part in PARTS {
-        let mut broken = best.review.margins.iter().filter(|margin| !margin.ok);
-        let may_be_found =
-            broken.any(|margin| margin.limit.repair().is_some() && margin.value.is_finite());
-        let evaluations = job.spec.planner.evaluations / part;
-        if !may_be_found || !is_small || evaluations < LEAST || job.run.is_cancelled() {
-            break;
-        }
+    if job.spec.vehicles.len() > crowd::MOST {
+        return best;
+    }
+    let try_with = |best: &mut Dispatched, evaluations: usize| {
         let mut spec = job.spec.clone();
         spec.planner.evaluations = evaluations;
         let other = dispatch_in_rounds(Job { spec: &spec, ..job });
         if other.is_better_than(best.rank()) {
-            best = other;
+            *best = other;
         }
+    };
+    for evaluations in budgets::smaller(job.spec) {
+        if job.run.is_nested && !job.run.is_cancelled() {
+            try_with(&mut best, evaluations);
+        }
+    }
+    for evaluations in budgets::parts(job.spec) {
+        let mut broken = best.review.margins.iter().filter(|margin| !margin.ok);
+        let may_be_found =
+            broken.any(|margin| margin.limit.repair().is_some() && margin.value.is_finite());
+        if !may_be_found || job.run.is_cancelled() {
+            break;
+        }
+        try_with(&mut best, evaluations);
     }
     best
 }

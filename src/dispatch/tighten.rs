@@ -1,6 +1,6 @@
 //! Which violated margins planning again can repair, and how much stricter it becomes for them.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::cost::Margins;
 use crate::path::TimedPoint;
@@ -16,6 +16,9 @@ pub(super) struct Strictness {
     pub(super) margins: Vec<Margins>,
     /// By vehicle: spline parameters that the search samples besides the even ones.
     pub(super) parameters: Vec<Vec<f64>>,
+    /// By pair: what was missing of their separation, metres, and how many rounds one after the
+    /// other then left nearly as much.
+    missing: BTreeMap<(usize, usize), (f64, usize)>,
 }
 
 /// Added to a missing distance, so that the next round does not fail by rounding, metres.
@@ -24,6 +27,13 @@ const EXTRA_M: f64 = 1.0;
 const MIN_EXTRA_M: f64 = 0.1;
 /// So little of a separation is found without a time shift, metres.
 const SLIGHT_M: f64 = 0.5;
+/// A round leaves nearly as much as was missing where it is more than this share of it.
+const NEARLY: f64 = 0.9;
+/// So much of a separation is missing, as a share of it, where how far vehicles stray is the reason.
+const MOST_MISSING: f64 = 0.5;
+/// Rounds that leave nearly as much of that, until greater distances are given up: searches with
+/// those meet nearly every motion of the other, and take many times as long.
+const MAX_FRUITLESS: usize = 2;
 /// Buffer of copters in the first round, metres.
 const NEAREST_M: f64 = 0.5;
 /// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
@@ -63,6 +73,7 @@ impl Strictness {
         Self {
             margins: spec.vehicles.iter().map(margins).collect(),
             parameters: vec![Vec::new(); spec.vehicles.len()],
+            missing: BTreeMap::new(),
         }
     }
 
@@ -96,6 +107,12 @@ impl Strictness {
             let Some(vehicle) = index(&margin.vehicle).max(other) else {
                 continue;
             };
+            if repair == Repair::Separation
+                && let Some(other) = index(&margin.vehicle).min(other)
+                && self.is_given_up((vehicle, other), margin)
+            {
+                continue;
+            }
             let can_wait = spec.vehicles[vehicle].retiming.depart_s.is_some();
             let path = &plan.vehicles[vehicle];
             if can_repair(path, margin, repair, can_wait)
@@ -106,6 +123,16 @@ impl Strictness {
             }
         }
         again.into_iter().collect()
+    }
+
+    /// Whether much of the separation of two is missing that greater distances did not make less.
+    fn is_given_up(&mut self, pair: (usize, usize), margin: &Margin) -> bool {
+        let missing_m = -margin.slack();
+        let known = self.missing.entry(pair).or_insert((f64::INFINITY, 0));
+        let is_as_much =
+            missing_m > MOST_MISSING * margin.bound.abs() && missing_m > NEARLY * known.0;
+        *known = (missing_m, if is_as_much { known.1 + 1 } else { 0 });
+        known.1 >= MAX_FRUITLESS
     }
 
     /// Moves the path of a vehicle that needs too many items further from its limits, where legs may
@@ -240,4 +267,52 @@ fn parameters_at(plan: &VehiclePlan, margin: &Margin, world: &World) -> Vec<f64>
     [-0.002, 0.0, 0.002]
         .map(|step| (parameter + step).clamp(0.0, 1.0))
         .to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::Sense;
+
+    #[test]
+    fn distances_do_not_grow_where_as_much_is_missing_as_before() {
+        let path = std::path::Path::new("missions/harbour.yaml");
+        let text = include_str!("../../missions/harbour.yaml").to_owned();
+        let spec = (crate::spec::SpecFile::parse(path, text).expect("a shipped mission")).spec;
+        let flat = crate::world::Terrain::Flat(crate::geodesy::Amsl(0.0));
+        let world = World::new(&spec, flat).expect("ground");
+        let plan = FleetPlan {
+            seed: 1,
+            vehicles: vec![VehiclePlan::default(); spec.vehicles.len()],
+        };
+        let near = |value: f64| {
+            let margin = Margin {
+                other: Some(spec.vehicles[1].id.clone()),
+                value,
+                bound: 100.0,
+                sense: Sense::AtLeast,
+                ..Margin::unjudged(&spec.vehicles[0].id, Limit::Separation, "")
+            };
+            Review {
+                margins: vec![margin],
+                ..Review::default()
+            }
+        };
+        let rounds = |values: [f64; 5]| {
+            let mut strictness = Strictness::first(&spec);
+            values.map(|value| {
+                let again = strictness.tighten(&spec, &world, &plan, &near(value));
+                again.len()
+            })
+        };
+        assert_eq!(rounds([0.0; 5]), [1, 1, 0, 0, 0]);
+        // Less and less is missing, or little.
+        assert_eq!(rounds([0.0, 20.0, 40.0, 60.0, 80.0]), [1; 5]);
+        assert_eq!(rounds([80.0; 5]), [1; 5]);
+        let mut strictness = Strictness::first(&spec);
+        for _ in 0..5 {
+            strictness.tighten(&spec, &world, &plan, &near(0.0));
+        }
+        assert!(strictness.margins[1].separation_m < 3.0 * 100.0);
+    }
 }

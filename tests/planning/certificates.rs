@@ -43,6 +43,19 @@ fn a_certified_bound_is_below_the_cost_and_near_it() {
 }
 
 #[test]
+fn the_time_for_a_certificate_is_limited_and_the_bound_by_then_is_proven() {
+    let folder = tempfile::tempdir().expect("a folder");
+    certified(folder.path());
+    // Hours on the finest mesh as it is built for tests; the first mesh is always finished.
+    let arguments = ["certify", "hill.yaml", "plan", "--within", "0", "--json"];
+    let output = command::sortie(folder.path(), &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let gap = printed["vehicles"][0]["gap"].as_f64().expect("a gap");
+    assert!((0.0..0.06).contains(&gap), "{gap}");
+}
+
+#[test]
 fn the_checker_accepts_a_certificate_and_rejects_every_corrupted_one() {
     let Some(python) = peers::python() else {
         return;

@@ -14,7 +14,7 @@ pub(super) const EVALUATE: &str = "A candidate is 3 x control_points numbers, in
 pub(super) const CERTIFY: &str = "\
 The folder gets certificate.json; one that `plan` has written keeps its files. \
 `tools/check_certificate.py SPEC DIR` (Python with numpy, shapely, PyYAML) reads spec, terrain and certificate by itself and accepts \
-or rejects it. A bound takes minutes for each vehicle.";
+or rejects it. A bound takes minutes for each vehicle; with --within it is the best by then, and another time may give another.";
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Certify {
@@ -29,6 +29,9 @@ pub(in crate::cli) struct Certify {
     /// Most cells of the mesh from start to goal: half as many take about an eighth of the time
     #[arg(long, value_name = "N", default_value_t = 320, value_parser = cells)]
     pub(in crate::cli) cells: usize,
+    /// Stop after about this time, all vehicles together, with the best bound by then
+    #[arg(long, value_name = "S", value_parser = super::seconds)]
+    pub(in crate::cli) within: Option<f64>,
     /// Print the bounds as JSON
     #[arg(long)]
     pub(in crate::cli) json: bool,

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::Instant;
 
 use serde_json::{Value, json};
 
@@ -12,7 +13,7 @@ use crate::cli::print::failure::Failure;
 use crate::cli::print::progress::Progress;
 use crate::cli::print::table::Rows;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::plan::certify;
+use crate::plan::{Effort, certify};
 use crate::report::{CertificateDocument, certificate_document};
 use crate::spec::{EndPoint, MissionSpec, Order, Placement, SpecFile, Stop, Vehicle};
 use crate::world::{self, World};
@@ -29,12 +30,25 @@ pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
         note("of the stops that the plan gives each vehicle for its tasks, in their order");
     }
     let spec = &flown;
-    let progress = Progress::start();
-    let vehicles = chosen.iter().map(|&index| {
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "the operator asks for a time; every bound is proven"
+    )]
+    let (progress, begun) = (Progress::start(), Instant::now());
+    // Vehicles that need less leave their time to those after them.
+    let whole_s = arguments.within.unwrap_or(f64::INFINITY) / count(chosen.len());
+    let vehicles = chosen.iter().enumerate().map(|(number, &index)| {
         let id = &spec.vehicles[index].id;
         let say = |share: f64| progress.say(&format!("{id}: {:.0} %", 100.0 * share));
         say(0.0);
-        (index, certify(spec, &world, index, arguments.cells, &say))
+        let is_over =
+            |share: f64| begun.elapsed().as_secs_f64() > whole_s * (count(number) + share);
+        let effort = Effort {
+            cells: arguments.cells,
+            progress: &say,
+            is_over: &is_over,
+        };
+        (index, certify(spec, &world, index, &effort))
     });
     let document = certificate_document((spec, &world), &hash, vehicles.collect());
     drop(progress);
@@ -51,6 +65,11 @@ pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
     print(&document, plan.as_ref(), arguments.json)?;
     note(&format!("certificate in {}", path.display()));
     Ok(())
+}
+
+#[expect(clippy::cast_precision_loss, reason = "few vehicles")]
+fn count(vehicles: usize) -> f64 {
+    vehicles as f64
 }
 
 /// The vehicles that are asked for, whose routes are in a fixed order.

@@ -18,8 +18,8 @@ mod lids;
 mod potential;
 
 pub(super) use estimate::estimate;
-pub use potential::RouteCertificate;
 pub(super) use potential::certify;
+pub use potential::{Effort, RouteCertificate};
 
 use lids::{Climbs, Lid, lids};
 use rayon::prelude::*;

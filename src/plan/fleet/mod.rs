@@ -39,7 +39,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::bound::{self, RouteCertificate, proven};
+use super::bound::{self, Effort, RouteCertificate, proven};
 use super::route_context::RouteContext;
 use super::search::KnownClasses;
 use super::search_options::SearchOptions;
@@ -316,18 +316,16 @@ pub fn plan_one_at_a_time(spec: &MissionSpec, world: &World, request: &Request<'
     with_bounds(spec, world, || fleet.plan())
 }
 
-/// The certificates of the routes of one vehicle, none for a route without: on meshes of at most
-/// this many cells from start to goal. `progress` gets the share that is done.
+/// The certificates of the routes of one vehicle, none for a route without.
 #[must_use]
 pub fn certify(
     spec: &MissionSpec,
     world: &World,
     vehicle: usize,
-    cells: usize,
-    progress: &(dyn Fn(f64) + Sync),
+    effort: &Effort<'_>,
 ) -> Vec<Option<RouteCertificate>> {
     let routes = route_ends(&spec.vehicles[vehicle], &world.stations[vehicle]);
-    bound::certify((spec, world), vehicle, &routes, cells, progress)
+    bound::certify((spec, world), vehicle, &routes, effort)
 }
 
 /// A plan, and at the same time the proven bound of each vehicle.

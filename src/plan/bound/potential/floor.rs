@@ -1,5 +1,7 @@
 //! A floor under the lowest altitudes of paths: flat over each triangle, and how far below them.
 
+use rayon::prelude::*;
+
 use super::mesh::Mesh;
 use crate::geodesy::{EastNorth, LatLon};
 use crate::numeric::geometry::{Point, distance, doubled_area};
@@ -30,7 +32,7 @@ pub(super) struct Floor {
 }
 
 /// Where the lowest altitude of a path is known: no data outside.
-trait Ground {
+trait Ground: Sync {
     /// Least and greatest difference to a plane over a triangle, at least so far out.
     fn differences_m(&self, corners: [Point; 3], plane_m: [f64; 3]) -> Option<(f64, f64)>;
     /// At a node.
@@ -66,12 +68,16 @@ impl Floor {
             let plane_m = corners.map(|node| nodes_m[node]);
             ground.differences_m(corners.map(|node| mesh.nodes[node]), plane_m)
         };
-        let triangles = || (0..mesh.triangles.len()).filter(|&at| used[at]);
+        let triangles: Vec<usize> = (0..mesh.triangles.len()).filter(|&at| used[at]).collect();
+        let over_each = |nodes_m: &[f64]| -> Vec<Option<(f64, f64)>> {
+            let triangles = triangles.par_iter().with_min_len(256);
+            triangles.map(|&triangle| over(triangle, nodes_m)).collect()
+        };
         // Nodes that are lowered apart tilt the planes anew: a few passes, then all by the same.
         for pass in 0..=PASSES {
             let mut down_m = vec![0.0_f64; nodes_m.len()];
-            for triangle in triangles() {
-                let least_m = over(triangle, &nodes_m).map_or(0.0, |(least_m, _)| least_m);
+            for (&triangle, over) in triangles.iter().zip(over_each(&nodes_m)) {
+                let least_m = over.map_or(0.0, |(least_m, _)| least_m);
                 for node in mesh.triangles[triangle] {
                     down_m[node] = down_m[node].max(-least_m);
                 }
@@ -89,8 +95,8 @@ impl Floor {
             *at_m = ((*at_m - ROUNDING_M) * PER_METRE).floor() / PER_METRE;
         }
         let mut below_m = vec![0.0; mesh.triangles.len()];
-        for triangle in triangles() {
-            let most_m = over(triangle, &nodes_m).map_or(0.0, |(_, most_m)| most_m);
+        for (&triangle, over) in triangles.iter().zip(over_each(&nodes_m)) {
+            let most_m = over.map_or(0.0, |(_, most_m)| most_m);
             below_m[triangle] = most_m.max(0.0);
         }
         Self { nodes_m, below_m }

@@ -33,6 +33,12 @@ use solve::{Prices, Solver};
 
 /// Cells from start to goal on each mesh, one after the other, and the steps on it.
 const MESHES: [(usize, usize); 5] = [(20, 3000), (40, 3000), (80, 2500), (160, 2000), (320, 1200)];
+/// Steps after which a potential is looked at, and after which the clock is.
+const LOOK: usize = 50;
+const CLOCK: usize = 10;
+/// A bound that rises by no more than this share in these looks is left for the next mesh.
+const TRIFLE: f64 = 2e-5;
+const MAX_LOOKS: usize = 8;
 /// Most values of a potential: a finer mesh is left out.
 const MAX_VALUES: usize = 400_000;
 /// Paths this much longer than the proven bound are looked at: a bound beyond is cut off.
@@ -71,14 +77,23 @@ pub struct RouteCertificate {
     pub potential_km: Vec<f64>,
 }
 
+/// How long to look for the certificates of a vehicle.
+pub struct Effort<'a> {
+    /// Most cells of a mesh from start to goal.
+    pub cells: usize,
+    /// Gets the share that is done.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+    /// Whether the time for a share of the whole is over: the best bound by then is taken.
+    pub is_over: &'a (dyn Fn(f64) -> bool + Sync),
+}
+
 /// Certificates of the routes of a vehicle; none for a route that is too short, for the objective
 /// of the paper, and where the plane is closed.
 pub(in crate::plan) fn certify(
     (spec, world): (&MissionSpec, &World),
     vehicle: usize,
     routes: &VehicleRoutes,
-    cells: usize,
-    progress: &(dyn Fn(f64) + Sync),
+    effort: &Effort<'_>,
 ) -> Vec<Option<RouteCertificate>> {
     let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
     let top_m = world.max_amsl.0;
@@ -98,9 +113,11 @@ pub(in crate::plan) fn certify(
             ends,
             longest_m: 1000.0 * proven / spec.planner.weights.length * LONGEST,
             slopes: slopes.clone(),
-            cells,
+            cells: effort.cells,
         };
-        route.certificate(&|share| progress((count(index) + share) / all))
+        let progress = |share: f64| (effort.progress)((count(index) + share) / all);
+        let is_over = || (effort.is_over)((count(index) + 1.0) / all);
+        route.certificate(&progress, &is_over)
     };
     routes.iter().enumerate().map(route).collect()
 }
@@ -125,7 +142,11 @@ struct Stage {
 }
 
 impl Route<'_> {
-    fn certificate(&self, progress: &dyn Fn(f64)) -> Option<RouteCertificate> {
+    fn certificate(
+        &self,
+        progress: &dyn Fn(f64),
+        is_over: &dyn Fn() -> bool,
+    ) -> Option<RouteCertificate> {
         let meshes = || {
             MESHES
                 .iter()
@@ -135,8 +156,15 @@ impl Route<'_> {
         let total: f64 = meshes()
             .map(|(cells, steps)| count(cells * cells * steps))
             .sum();
-        let (mut done, mut before, mut levels_km, mut found) = (0.0, None, None, None);
+        let (mut done, mut before, mut levels_km) = (0.0, None, None);
+        let mut found: Option<RouteCertificate> = None;
         for (cells, steps) in meshes() {
+            // The first mesh takes little time, and is always finished.
+            let is_first = found.is_none();
+            let is_over = || !is_first && is_over();
+            if is_over() {
+                break;
+            }
             let stage = self.stage(cells);
             let levels_km = levels_km
                 .get_or_insert_with(|| levels_km_of(&stage))
@@ -153,14 +181,8 @@ impl Route<'_> {
             };
             let balance = 1.25e3 / self.longest_m;
             let cost = count(cells * cells);
-            let mut best = Best::default();
-            for step in 1..=steps {
-                solver.step(balance);
-                if step % 50 == 0 {
-                    best.look(&solver);
-                    progress((done + cost * count(step)) / total);
-                }
-            }
+            let said = |step: usize| progress((done + cost * count(step)) / total);
+            let best = best_of(&mut solver, (balance, steps), &said, &is_over);
             done += cost * count(steps);
             let flows = std::mem::take(&mut solver.flows);
             let coarse = Coarse {
@@ -172,10 +194,7 @@ impl Route<'_> {
                 floor_m: stage.floor.as_ref().map(|floor| floor.nodes_m.clone()),
             };
             let (bound, potential) = self.judged(&best.potential, &prices);
-            if found
-                .as_ref()
-                .is_none_or(|found: &RouteCertificate| found.bound < bound)
-            {
+            if found.as_ref().is_none_or(|found| found.bound < bound) {
                 found = Some(self.document(&coarse, bound, potential));
             }
             before = Some(coarse);
@@ -299,6 +318,9 @@ impl Route<'_> {
 struct Best {
     proven: f64,
     potential: Vec<f64>,
+    /// What was proven when it last rose by more than a trifle, and looks since then.
+    risen: f64,
+    looks: usize,
 }
 
 impl Best {
@@ -308,7 +330,33 @@ impl Best {
             self.proven = proven;
             self.potential.clone_from(&solver.potential);
         }
+        self.looks += 1;
+        if self.proven > self.risen * (1.0 + TRIFLE) {
+            (self.risen, self.looks) = (self.proven, 0);
+        }
     }
+}
+
+/// The best potential of some steps, or of fewer where it rises no more or the time is over.
+fn best_of(
+    solver: &mut Solver<'_>,
+    (balance, steps): (f64, usize),
+    said: &dyn Fn(usize),
+    is_over: &dyn Fn() -> bool,
+) -> Best {
+    let mut best = Best::default();
+    for step in 1..=steps {
+        solver.step(balance);
+        let is_last = step % CLOCK == 0 && is_over();
+        if step % LOOK == 0 || is_last {
+            best.look(solver);
+            said(step);
+        }
+        if is_last || best.looks >= MAX_LOOKS {
+            break;
+        }
+    }
+    best
 }
 
 /// Levels over the floor of a coarse mesh, km.
