@@ -81,6 +81,21 @@ fn a_vehicle_without_a_fix_yet_is_waited_for() {
 }
 
 #[test]
+fn a_vehicle_without_an_altitude_yet_is_waited_for() {
+    let plan = two();
+    let mut sky = setting(&plan);
+    // As ArduPlane 4.7.0-beta1 said for a moment, at its home already.
+    sky.down = Some(Box::new(|now, from, mut message| {
+        if from.system == 1 && now < Time(20_000) {
+            position(&mut message, |position| position.amsl_mm = 0);
+        }
+        vec![(from, message)]
+    }));
+    let outcome = sky.fly_out();
+    assert!(matches!(outcome, Outcome::Flown), "{outcome:?}");
+}
+
+#[test]
 fn no_parameter_of_a_vehicle_that_stands_elsewhere_is_set() {
     let plan = two();
     let mut sky = setting(&plan);

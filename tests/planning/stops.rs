@@ -582,7 +582,7 @@ fn actions_behind_a_condition_or_a_jump_are_not_done_there() {
             params: [to, 1.0, 0.0, 0.0],
             ..mission.items[load]
         };
-        items.insert(load, jump);
+        items.insert(yaw, jump);
     });
     assert!(
         past[0].contains("action 1 (gripper): DO_JUMP at item"),

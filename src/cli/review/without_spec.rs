@@ -63,8 +63,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     let mut assumed = Vec::new();
     let corners = around_positions(&subjects);
     let mut whole: Option<(MissionSpec, String)> = None;
-    let (mut vehicles, mut missions) = (Vec::new(), Vec::new());
-    let mut failed = Vec::new();
+    let (mut vehicles, mut missions, mut failed) = (Vec::new(), Vec::new(), Vec::new());
     for (index, subject) in subjects.into_iter().enumerate() {
         let autopilot = autopilot(&subject, limits, &mut assumed);
         let airframe = airframe(&subject, limits, &mut assumed)?;
@@ -88,7 +87,6 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
                 assumed::takeoff_heading(&mut vehicle, &mission, &mut assumed);
             }
             assumed::returns(&vehicle, &mut mission, limits, &mut assumed);
-            assumed::slopes(&vehicle, &mut assumed);
             airspeeds::limit(&mut mission, &vehicle.id, &mut assumed);
             failed.extend(airspeeds::beyond_limits(&mission, &vehicle.id));
             vehicles.push(vehicle);
@@ -101,11 +99,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     };
     spec.vehicles = vehicles;
     "review".clone_into(&mut spec.name);
-    let is_timed = limits.separation.is_some();
-    if is_timed && (missions.iter()).any(|(_, mission)| assumed::asks_for_more_speed(mission)) {
-        // Whether its copters reach their speeds is judged from version 2 on.
-        spec.version = 2;
-    }
+    spec.version = assumed::version(&missions, limits);
     let mut world = world(&spec, &missions, limits)?;
     let mut begin = |(index, mission): &(usize, VehicleMission)| {
         let vehicle = (*index, &spec.vehicles[*index]);

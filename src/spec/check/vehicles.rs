@@ -209,7 +209,6 @@ impl Checker {
             home_to_start_m: ends.home_to_start_m,
         };
         let wing = self.wing(path, keys, &flown);
-        let altitudes = self.altitudes(path, keys, map);
         let climb_mps = keys.climb_mps.unwrap_or(defaults.climb_mps);
         let endurance = self.endurance(path, keys.endurance.as_ref(), (airframe, climb_mps));
         let retiming = self.retiming(path, keys, (autopilot, airframe));
@@ -226,7 +225,7 @@ impl Checker {
             max_airspeed_mps: keys.max_airspeed_mps,
             depart_s: keys.depart_s.unwrap_or_else(|| retiming.opens_s()),
             retiming,
-            altitudes,
+            altitudes: self.altitudes(path, keys, map),
             endurance,
             fence_points: keys.fence_points,
             return_amsl: keys.return_amsl_m.map(Amsl),

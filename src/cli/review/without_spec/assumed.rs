@@ -34,6 +34,7 @@ pub(super) fn returns(
     limits: &Limits,
     assumed: &mut Vec<String>,
 ) {
+    assumed.extend(slopes(vehicle));
     let holds = |commands: &[u16]| {
         let mut items = mission.items.iter();
         items.any(|item| commands.contains(&item.command))
@@ -83,25 +84,34 @@ pub(super) fn returns(
             mission.autopilot.name()
         ));
     }
-    let returns_at_end = mission.autopilot == Autopilot::ArduPilot && has_wing && !ends;
-    if returns || returns_at_end {
+    if returns || mission.autopilot == Autopilot::ArduPilot && has_wing && !ends {
         assumed.extend(cruise(vehicle, mission, limits));
     }
 }
 
-/// Adds a sentence for a copter whose autopilot flies slopes in another way in a later version.
-pub(super) fn slopes(vehicle: &Vehicle, assumed: &mut Vec<String>) {
-    if let Some(range) = vehicle.facts().heights_at_once {
-        assumed.push(format!(
-            "{}: slopes are flown evenly; {} {range} is at the altitude of the end of a leg soon after its beginning, which is not judged",
-            vehicle.id,
-            vehicle.autopilot.name()
-        ));
+/// The sentence for a copter whose autopilot flies slopes in another way in a later version.
+fn slopes(vehicle: &Vehicle) -> Option<String> {
+    let range = vehicle.facts().heights_at_once?;
+    Some(format!(
+        "{}: slopes are flown evenly; {} {range} is at the altitude of the end of a leg soon after its beginning, which is not judged",
+        vehicle.id,
+        vehicle.autopilot.name()
+    ))
+}
+
+/// The version of the spec: where times are judged, that in which a copter must reach its speeds (2), if it is commanded
+/// more than its autopilot has by default.
+pub(super) fn version(missions: &[(usize, VehicleMission)], limits: &Limits) -> u32 {
+    let mut missions = missions.iter();
+    let is_faster = missions.any(|(_, mission)| asks_for_more_speed(mission));
+    match limits.separation.is_some() && is_faster {
+        true => 2,
+        false => 1,
     }
 }
 
 /// Whether a copter is commanded more than the speed that its autopilot has by default.
-pub(super) fn asks_for_more_speed(mission: &VehicleMission) -> bool {
+fn asks_for_more_speed(mission: &VehicleMission) -> bool {
     let defaults = mission.facts().defaults;
     let stock_mps = defaults.cruise_mps();
     let held_mps = mission.param_si(defaults.cruise_parameter);

@@ -3,7 +3,7 @@
 use super::{FlightVehicle, Stage};
 use crate::autopilot::Version;
 use crate::flight::event::says;
-use crate::flight::launch::readiness;
+use crate::flight::launch::readiness::{self, STANDS_M};
 use crate::flight::record::Fix;
 use crate::flight::session::modes;
 use crate::geodesy::LatLon;
@@ -22,6 +22,8 @@ const STARTED_M: f64 = 5.0;
 
 /// A place nearer to 0, 0 than this is none, metres.
 const NO_FIX_M: f64 = 1000.0;
+/// An altitude nearer to 0 than this is none, metres.
+const NO_ALTITUDE_M: f64 = 1.0;
 
 /// Nanoseconds in a millisecond. Questions for the time are in whole ones, and our component id.
 const NS_IN_MS: i64 = 1_000_000;
@@ -328,12 +330,15 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// Whether it says a place near 0, 0 and its home is elsewhere: an ArduPlane whose GPS has no fix yet
-    /// does, tens of metres off in wind.
+    /// Whether it says a place near 0, 0 or an altitude of 0, and its home is elsewhere: an ArduPlane whose GPS has no fix
+    /// yet does, tens of metres off in wind.
     fn has_no_fix_yet(&self, position: &Position) -> bool {
-        let nowhere = LatLon::of_e7(0, 0);
-        let home = readiness::place(&self.of.mission.home);
-        position.place().chord_m(nowhere) < NO_FIX_M && home.chord_m(nowhere) > 2.0 * NO_FIX_M
+        let (nowhere, home) = (LatLon::of_e7(0, 0), &self.of.mission.home);
+        let is_near = |place: LatLon, m: f64| place.chord_m(nowhere) < m;
+        let is_level = |amsl_m: f64, m: f64| amsl_m.abs() < m;
+        is_near(position.place(), NO_FIX_M) && !is_near(readiness::place(home), 2.0 * NO_FIX_M)
+            || is_level(f64::from(position.amsl_mm) / 1000.0, NO_ALTITUDE_M)
+                && !is_level(f64::from(home.amsl_m), 2.0 * STANDS_M)
     }
 
     /// Whether it did not wait for its start: from then on it is one that flies.

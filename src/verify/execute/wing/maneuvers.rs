@@ -21,6 +21,9 @@ use crate::world::Terrain;
 /// A plane finds the ground within this of the altitude that it lands at: it flares by its own
 /// measurements of height.
 const LANDING_M: f64 = 10.0;
+/// A climb-out and a glide are slopes so far above the ground at least, whatever `min_agl`, metres: with the lag of
+/// their climb under them they would begin below the ground.
+const LEAST_SLOPE_M: f64 = 20.0;
 /// Chords of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
 
@@ -210,16 +213,14 @@ impl Pilot<'_> {
     }
 
     /// A leg that climbs from the ground, split into the part where its height decides the
-    /// required clearance and the part where the minimum height does. That begins no lower than the lag
-    /// allows: it is on the ground where the slope begins.
+    /// required clearance and the part where the minimum height does. That begins above its lag: where the slope
+    /// begins it is on the ground.
     fn in_two(&self, ground: &Knot, top: Knot, ground_m: f64) -> Vec<Knot> {
-        let lasts_s = ground.at.distance_m(top.at) / top.speed_mps;
-        let lag_m = match self.world.terrain {
-            // No height is asked of it.
+        let least_m = match self.world.terrain {
             Terrain::Unknown => 0.0,
-            _ => self.lag_s * (top.amsl_m - ground_m) / lasts_s,
+            _ => LEAST_SLOPE_M,
         };
-        let split_m = ground_m + (self.world.min_agl.0 / SLOPE_SHARE).max(2.0 * lag_m);
+        let split_m = ground_m + (self.world.min_agl.0 / SLOPE_SHARE).max(least_m);
         let sloping = |knot: Knot| Knot {
             slope_from_m: Some(ground_m),
             ..knot
