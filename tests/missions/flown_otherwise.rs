@@ -175,3 +175,35 @@ fn a_speed_that_no_stock_copter_reaches_fails_where_times_are_judged() {
     let (code, said) = reviewed(&folder, &[files[0], files[2], files[3]]);
     assert_eq!(code, Some(0), "{said}");
 }
+
+/// "DO_LAND_START set and RTL_AUTOLAND disabled", said ArduPlane 4.7.0-beta1; PX4 1.17 denied arming.
+#[test]
+fn a_wing_that_is_not_armed_for_its_mission_with_stock_parameters_is_named() {
+    let up = || Row(22, 3, [10.0, 0.0, 0.0, 0.0], 46.003, 8.0, 80.0);
+    let circle = Row(17, 3, [0.0, 0.0, 100.0, 0.0], 46.03, 8.0, 80.0);
+    let rows = [up(), waypoint(46.02, 8.0, 80.0), circle];
+    let said = |autopilot: &str, rows: &[Row]| {
+        let flags = [
+            "--no-terrain",
+            "--airframe",
+            "plane",
+            "--autopilot",
+            autopilot,
+        ];
+        let (_, out, errors) = review(HOME, rows, &flags);
+        out + &errors
+    };
+    assert!(said("px4", &rows).contains("MIS_TKO_LAND_REQ 2"));
+    assert!(!said("ardupilot", &rows).contains("RTL_AUTOLAND"));
+    let ends = [
+        order(189, [0.0; 4]),
+        waypoint(46.025, 8.0, 60.0),
+        land(46.03, 8.0),
+    ];
+    let rows: Vec<Row> = [up(), waypoint(46.02, 8.0, 80.0)]
+        .into_iter()
+        .chain(ends)
+        .collect();
+    assert!(said("ardupilot", &rows).contains("RTL_AUTOLAND 0"));
+    assert!(!said("px4", &rows).contains("MIS_TKO_LAND_REQ"));
+}

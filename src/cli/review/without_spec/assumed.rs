@@ -34,7 +34,7 @@ pub(super) fn returns(
     limits: &Limits,
     assumed: &mut Vec<String>,
 ) {
-    assumed.extend(slopes(vehicle));
+    assumed.extend(slopes(vehicle).into_iter().chain(arms(vehicle, mission)));
     let holds = |commands: &[u16]| {
         let mut items = mission.items.iter();
         items.any(|item| commands.contains(&item.command))
@@ -97,6 +97,33 @@ fn slopes(vehicle: &Vehicle) -> Option<String> {
         vehicle.id,
         vehicle.autopilot.name()
     ))
+}
+
+/// The sentence for a wing that its autopilot does not arm for this mission with stock parameters.
+fn arms(vehicle: &Vehicle, mission: &VehicleMission) -> Option<String> {
+    let holds = |commands: &[u16]| {
+        mission
+            .items
+            .iter()
+            .any(|item| commands.contains(&item.command))
+    };
+    let is_set = |name: &str, is: fn(f64) -> bool| mission.param(name).is_some_and(is);
+    let landings = [command::NAV_LAND, command::NAV_VTOL_LAND];
+    let why = match mission.autopilot {
+        // `AP_Arming_Plane::mission_checks`.
+        Autopilot::ArduPilot
+            if holds(&[command::DO_LAND_START]) && !is_set("RTL_AUTOLAND", |value| value > 0.5) =>
+        {
+            "RTL_AUTOLAND 0, the default, does not arm with a DO_LAND_START in its mission"
+        }
+        // `FeasibilityChecker`, with the default of wings.
+        Autopilot::Px4 if !holds(&landings) && !is_set("MIS_TKO_LAND_REQ", |value| value < 1.5) => {
+            "MIS_TKO_LAND_REQ 2, the default of planes and VTOLs, does not fly a mission without a landing"
+        }
+        _ => return None,
+    };
+    let has_wing = vehicle.airframe.has_wing();
+    has_wing.then(|| format!("{}: {why}", vehicle.id))
 }
 
 /// The version of the spec: where times are judged, that in which a copter must reach its speeds (2), if it is commanded
