@@ -15,7 +15,7 @@ pub struct Projection {
     pub error_m: f64,
 }
 
-/// Systems of EPSG (10, as `crs-definitions` has them) with the axis "ellipsoidal height", in order.
+/// Codes of EPSG 10 whose systems have the axis "ellipsoidal height", in order (crate `crs-definitions`).
 #[rustfmt::skip]
 const THREE_DIMENSIONAL: &[u16] = &[
     3823, 3888, 4017, 4040, 4074, 4080, 4327, 4329, 4339, 4341, 4343, 4345, 4347, 4349, 4351, 4353, 4355,

@@ -43,17 +43,21 @@ pub(super) fn has_event(lines: &[Value], text: &str) -> bool {
         .any(|event| event.contains(text))
 }
 
-/// Flies the two of `lanes.yaml` on their links.
-pub(super) fn fly_lanes(folder: &Path, [alpha, bravo]: &[String; 2]) -> Flight {
-    let fly = [
+/// The command that flies the two of `lanes.yaml` on their links.
+fn of_lanes([alpha, bravo]: &[String; 2]) -> [&str; 6] {
+    [
         "fly",
         "lanes.yaml",
         "--upload",
         "--set-params",
         alpha,
         bravo,
-    ];
-    begin(folder, &fly)
+    ]
+}
+
+/// Flies them.
+pub(super) fn fly_lanes(folder: &Path, links: &[String; 2]) -> Flight {
+    begin(folder, &of_lanes(links))
 }
 
 #[test]
@@ -375,14 +379,7 @@ fn a_flight_that_broke_off_is_kept_from_another_fly_and_from_another_plan() {
     let link = folder.path().join("another");
     std::os::unix::fs::symlink(folder.path().join("out/lanes"), &link).expect("a link");
     for arguments in [
-        &[
-            "fly",
-            "lanes.yaml",
-            "--upload",
-            "--set-params",
-            alpha,
-            bravo,
-        ][..],
+        &of_lanes(&links)[..],
         &["fly", "lanes.yaml", "--dir", "another", alpha, bravo],
         &["plan", "lanes.yaml"],
     ] {
