@@ -6,8 +6,9 @@ use crate::support::in_flight::{json, lines, planned, take_off, wait_for};
 /// `RTL` of `ArduCopter`.
 const RETURN: f32 = 6.0;
 
-/// Alpha flies to the east; bravo, behind it, on a lane 280 m to the north. Bravo has a minute before
-/// it is where the threat will be: planning may take a while.
+/// Alpha flies to the east; bravo, behind it, on a lane 280 m to the north. Bravo has three quarters of
+/// a minute before it is where the threat will be: planning may take a while. Where it comes 20 s later
+/// alpha is past, and south of the threat nothing is in its way.
 fn spec(closed: &str) -> String {
     format!(
         "
@@ -19,7 +20,7 @@ vehicles:
   - {{id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4, return_amsl_m: 460, depart_s: 25,
      start: {{lat: 36.300, lon: -84.265, agl_m: 40}}, goal: {{lat: 36.300, lon: -84.238, agl_m: 40}}, finish: land}}
   - {{id: bravo, sysid: 2, autopilot: px4, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
-     start: {{lat: 36.3025, lon: -84.2835, agl_m: 40}}, goal: {{lat: 36.3025, lon: -84.240, agl_m: 40}}, finish: loiter}}
+     start: {{lat: 36.3025, lon: -84.2812, agl_m: 40}}, goal: {{lat: 36.3025, lon: -84.240, agl_m: 40}}, finish: loiter}}
 separation: {{distance_m: 100, time_slack_s: 5}}
 planner: {{algorithm: msfoa, seed: 1, evaluations: 6000}}
 {closed}"
