@@ -11,7 +11,7 @@ use crate::world::World;
 
 use super::limits::separation;
 use super::limits::space::Space;
-use super::measure::segment::Chord;
+use super::measure::segment::Segment;
 use super::measure::timeline::Timeline;
 use super::review::Sortie;
 use super::{Limit, Margin};
@@ -30,7 +30,7 @@ pub struct Judge<'a> {
 /// The flight that an encoded mission makes in the model of the verdict.
 #[derive(Clone, Debug)]
 pub struct Executed<'a> {
-    timeline: Timeline<'a, Chord>,
+    timeline: Timeline<'a, Segment>,
 }
 
 impl<'a> Judge<'a> {
@@ -64,9 +64,9 @@ impl<'a> Judge<'a> {
         let is_airborne = sortie.departing().is_airborne;
         let mut flight = sortie.flight;
         flight.stay_until(HORIZON_S);
-        let mut chords = flight.chords;
-        chords.retain(|chord| chord.flown);
-        chords.shrink_to_fit();
+        let mut segments = flight.segments;
+        segments.retain(|segment| segment.flown);
+        segments.shrink_to_fit();
         let vehicle = self.spec.vehicles.get(index)?;
         Some(Executed {
             timeline: Timeline::of(
@@ -74,7 +74,7 @@ impl<'a> Judge<'a> {
                     vehicle,
                     is_airborne,
                 },
-                chords,
+                segments,
             ),
         })
     }

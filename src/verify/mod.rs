@@ -1,7 +1,7 @@
 //! The verdict on encoded missions, in continuous time.
 //!
 //! ```text
-//! items -> decode (what the autopilot reads) -> flight (legs, fillets, ramps, holds: chords of constant velocity)
+//! items -> decode (what the autopilot reads) -> flight (legs, fillets, ramps, holds: segments of constant velocity)
 //!       -> space (ground, ceiling, threats, zones, area, fence), contract (the rest of the spec), separation (pairs)
 //! ```
 //!
@@ -219,7 +219,7 @@
 //! horizontal distance and difference of altitude, of one vehicle at `t` and the other at
 //! `u`, both in the air, for every `u - t` between `-time_slack_s` and `time_slack_s`, each
 //! widened by what the two may be late or early against each other. Curved and accelerated
-//! motion is judged in chords within 0.02 m, ground that is followed within 0.1 m:
+//! motion is judged in segments within 0.02 m, ground that is followed within 0.1 m:
 //! clearance over arcs and separation come out short by that, distances from arcs to threats, zones and edges by
 //! up to twice as much, never long.
 

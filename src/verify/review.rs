@@ -20,7 +20,7 @@ use super::limits::mission::{Contract, coverage, tasks};
 use super::limits::parked::landings_on_parked;
 use super::limits::separation;
 use super::limits::space::Space;
-use super::measure::segment::Chord;
+use super::measure::segment::Segment;
 use super::measure::timeline::Timeline;
 use super::{Limit, Margin, Moment, Review, Track};
 
@@ -165,11 +165,11 @@ impl<'a> Reviewer<'a> {
         let (positions, timelines): (Vec<usize>, Vec<Timeline<'_>>) = sorties
             .iter()
             .enumerate()
-            .filter(|(_, sortie)| !sortie.flight.chords.is_empty())
+            .filter(|(_, sortie)| !sortie.flight.segments.is_empty())
             .map(|(position, sortie)| {
                 (
                     position,
-                    Timeline::new(sortie.departing(), &sortie.flight.chords),
+                    Timeline::new(sortie.departing(), &sortie.flight.segments),
                 )
             })
             .unzip();
@@ -192,11 +192,11 @@ fn stay_long_enough(sorties: &mut [Sortie<'_>], separation: &Separation) {
         .map(|sortie| sortie.flight.last_s())
         .fold(0.0, f64::max);
     let late_s = most_shift_s(sorties.iter().map(|sortie| {
-        let chords = sortie.flight.chords.iter();
-        let most = |of: fn(&Chord) -> f64| chords.clone().map(of).fold(0.0, f64::max);
+        let segments = sortie.flight.segments.iter();
+        let most = |of: fn(&Segment) -> f64| segments.clone().map(of).fold(0.0, f64::max);
         let on_its_way = Span {
-            least: 0.0 - most(|chord| chord.early_s),
-            most: most(|chord| chord.late_s),
+            least: 0.0 - most(|segment| segment.early_s),
+            most: most(|segment| segment.late_s),
         };
         (sortie.departing(), on_its_way)
     }));
@@ -350,17 +350,18 @@ impl<'a> Sortie<'a> {
         items.any(|item| item.command == command)
     }
 
-    /// The ends of every flown chord. Velocity is constant between them, so nothing is lost.
+    /// The ends of every flown segment. Velocity is constant between them, so nothing is lost.
     fn track(&self, world: &World) -> Track {
         // A circle that is flown for ever is drawn once.
-        let circles = self.flight.circle.map(|circle| circle.chord);
-        let chords = self.flight.chords.iter().enumerate();
+        let circles = self.flight.circle.map(|circle| circle.segment);
+        let segments = self.flight.segments.iter().enumerate();
         let repetition = self.flight.repetition;
-        let flown = chords
-            .filter(|(index, chord)| chord.flown && ![circles, repetition].contains(&Some(*index)));
+        let flown = segments.filter(|(index, segment)| {
+            segment.flown && ![circles, repetition].contains(&Some(*index))
+        });
         let mut ends: Vec<(Moment, f64)> = flown
-            .flat_map(|(_, chord)| {
-                [0.0, 1.0].map(|u| (chord.moment(&world.frame, u), chord.late_s))
+            .flat_map(|(_, segment)| {
+                [0.0, 1.0].map(|u| (segment.moment(&world.frame, u), segment.late_s))
             })
             .collect();
         ends.dedup_by(|next, end| {

@@ -50,15 +50,19 @@ pub fn verified_trajectories(
     let known = missions.iter().filter_map(|&(index, mission)| {
         let (vehicle, stations) = (spec.vehicles.get(index)?, world.stations.get(index)?);
         let sortie = Sortie::new(spec, world, vehicle, stations, mission);
-        let segments = sortie.flight.chords.iter().map(|chord| VerifiedSegment {
-            from: chord.moment(&world.frame, 0.0),
-            to: chord.moment(&world.frame, 1.0),
-            is_flown: chord.flown,
-            error_m: chord.error_m,
-            wide_m: chord.wide_m,
-            late_s: chord.late_s,
-            early_s: chord.early_s,
-        });
+        let segments = sortie
+            .flight
+            .segments
+            .iter()
+            .map(|segment| VerifiedSegment {
+                from: segment.moment(&world.frame, 0.0),
+                to: segment.moment(&world.frame, 1.0),
+                is_flown: segment.flown,
+                error_m: segment.error_m,
+                wide_m: segment.wide_m,
+                late_s: segment.late_s,
+                early_s: segment.early_s,
+            });
         Some(VerifiedTrajectory {
             vehicle: vehicle.id.clone(),
             takeoff_late_s: takeoff_lateness_s(vehicle),

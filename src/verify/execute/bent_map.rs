@@ -15,7 +15,7 @@ use crate::world::World;
 /// `x - x^3 / 2` against `x` of one that keeps geodesics straight).
 const EQUIDISTANT_SHARE: f64 = 2.0 / 3.0;
 
-/// The longest straight way of a row: from where its first chord begins.
+/// The longest straight way of a row: from where its first segment begins.
 #[derive(Clone, Copy)]
 struct Leg {
     from: EastNorth,
@@ -67,13 +67,13 @@ impl Leg {
 /// The leg of each row.
 fn legs(flight: &Flight) -> BTreeMap<usize, Leg> {
     let mut legs: BTreeMap<usize, Leg> = BTreeMap::new();
-    for chord in &flight.chords {
-        let leg = legs.entry(chord.row).or_insert(Leg {
-            from: chord.from.at,
-            to: chord.from.at,
+    for segment in &flight.segments {
+        let leg = legs.entry(segment.row).or_insert(Leg {
+            from: segment.from.at,
+            to: segment.from.at,
         });
-        if leg.from.distance_m(chord.to.at) > leg.long_m() {
-            leg.to = chord.to.at;
+        if leg.from.distance_m(segment.to.at) > leg.long_m() {
+            leg.to = segment.to.at;
         }
     }
     legs
@@ -96,7 +96,7 @@ pub(crate) fn most_bent(vehicle: &Vehicle, flight: &Flight, world: &World) -> (f
 
 /// Counts bends that are not small: a vehicle may be anywhere between its leg and the line on its map.
 pub(super) fn widen(vehicle: &Vehicle, flight: &mut Flight, world: &World) {
-    let Some(took_off) = flight.chords.first().map(|chord| chord.from.at) else {
+    let Some(took_off) = flight.segments.first().map(|segment| segment.from.at) else {
         return;
     };
     let legs = legs(flight).into_iter();
@@ -107,10 +107,10 @@ pub(super) fn widen(vehicle: &Vehicle, flight: &mut Flight, world: &World) {
     if bends_m.is_empty() {
         return;
     }
-    for chord in &mut flight.chords {
-        if let Some(by_m) = bends_m.get(&chord.row) {
-            chord.bow_m += by_m;
-            chord.wide_m += by_m;
+    for segment in &mut flight.segments {
+        if let Some(by_m) = bends_m.get(&segment.row) {
+            segment.bow_m += by_m;
+            segment.wide_m += by_m;
         }
     }
 }

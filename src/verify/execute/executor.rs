@@ -97,7 +97,7 @@ pub(crate) fn fly(
     pilot.depart(mission);
     pilot.flight.unknown = pilot.fly(&orders, mission);
     pilot.gain();
-    pilot.flight.chords = pilot.trajectory.chords;
+    pilot.flight.segments = pilot.trajectory.segments;
     let mut flight = pilot.flight.cut_at_nan();
     bent_map::widen(vehicle, &mut flight, world);
     flight
@@ -188,16 +188,21 @@ impl Pilot<'_> {
     fn gain(&mut self) {
         let behaviour = &self.vehicle.facts().behaviour;
         let share = behaviour.early_share.value(self.vehicle.autopilot_version);
-        let Some(first_s) = self.trajectory.chords.first().map(|chord| chord.from_s) else {
+        let Some(first_s) = self
+            .trajectory
+            .segments
+            .first()
+            .map(|segment| segment.from_s)
+        else {
             return;
         };
-        for chord in &mut self.trajectory.chords {
-            let until_s = if chord.to_s.is_finite() {
-                chord.to_s
+        for segment in &mut self.trajectory.segments {
+            let until_s = if segment.to_s.is_finite() {
+                segment.to_s
             } else {
-                chord.from_s
+                segment.from_s
             };
-            chord.early_s += share * (until_s - first_s).max(0.0);
+            segment.early_s += share * (until_s - first_s).max(0.0);
         }
         for rest in &mut self.flight.rests {
             rest.early_s += share * (rest.from_s - first_s).max(0.0);
@@ -213,7 +218,7 @@ impl Pilot<'_> {
         let mut first = 0;
         for (index, step) in orders.steps.iter().enumerate() {
             if orders.repeats.is_some_and(|(_, again)| again == index) {
-                first = self.trajectory.chords.len();
+                first = self.trajectory.segments.len();
             }
             let obeyed = self.trajectory.within_bound(step.row).and_then(|()| {
                 let next = orders.after(index, mission);

@@ -7,13 +7,13 @@ use crate::geodesy::{EastNorth, PlanPoint};
 use super::decode::Unknown;
 use super::legs::{Knot, Run};
 use super::trajectory::AltitudeLine;
-use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::segment::{Phase, Segment};
 
 /// How steep and how fast one leg is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slope {
-    /// Index of the chord where the leg begins, for the place and time.
-    pub(crate) chord: usize,
+    /// Index of the segment where the leg begins, for the place and time.
+    pub(crate) segment: usize,
     pub(crate) phase: Phase,
     /// Horizontal length; 0 for a vertical motion, metres.
     pub(crate) run_m: f64,
@@ -28,14 +28,14 @@ pub(crate) struct Slope {
 /// The length of a leg that its fillets leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turn {
-    pub(crate) chord: usize,
+    pub(crate) segment: usize,
     pub(crate) left_m: f64,
 }
 
 /// The speed a leg is commanded to be flown with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cruise {
-    pub(crate) chord: usize,
+    pub(crate) segment: usize,
     /// `None`: neither the mission nor its parameters say.
     pub(crate) speed_mps: Option<f64>,
 }
@@ -66,15 +66,15 @@ pub(crate) struct Rest {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Circle {
     pub(crate) radius_m: f64,
-    /// Index of the chord that stands for it.
-    pub(crate) chord: usize,
+    /// Index of the segment that stands for it.
+    pub(crate) segment: usize,
 }
 
 /// A circle that a wing flies, once or more often.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Round {
-    /// Index of its first chord.
-    pub(crate) chord: usize,
+    /// Index of its first segment.
+    pub(crate) segment: usize,
     pub(crate) radius_m: f64,
     /// The least that it can turn at its speed and altitude, metres.
     pub(crate) least_m: f64,
@@ -83,7 +83,7 @@ pub(crate) struct Round {
 /// A circle on rotors.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct OnRotors {
-    pub(crate) chords: Range<usize>,
+    pub(crate) segments: Range<usize>,
     /// Its own speed over the ground, m/s.
     pub(crate) speed_mps: f64,
 }
@@ -136,15 +136,15 @@ pub(crate) struct Legs<'a> {
     /// Altitude along each leg.
     pub(crate) lines: &'a [AltitudeLine],
     pub(crate) run: &'a Run,
-    /// The first chord of each leg.
+    /// The first segment of each leg.
     pub(crate) firsts: &'a [usize],
 }
 
 /// One vehicle's flight.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Flight {
-    /// In order of time, but for chords that are not flown.
-    pub(crate) chords: Vec<Chord>,
+    /// In order of time, but for segments that are not flown.
+    pub(crate) segments: Vec<Segment>,
     pub(crate) slopes: Vec<Slope>,
     /// In order of time; what follows at once at the same place is one rest.
     pub(crate) rests: Vec<Rest>,
@@ -174,7 +174,7 @@ pub(crate) struct Flight {
     pub(crate) unknown: Option<Unknown>,
     /// The item after which none is flown, if others follow it.
     pub(crate) last: Option<Last>,
-    /// Index of the chord that stands for all laps of a mission that repeats for ever: the
+    /// Index of the segment that stands for all laps of a mission that repeats for ever: the
     /// vehicle is anywhere around it. For the separation alone.
     pub(crate) repetition: Option<usize>,
     /// Whether it begins in the air in its landing descent or in a drop: no route may be left of it.
@@ -196,29 +196,29 @@ impl Flight {
 
     /// When the last motion that ends has ended, seconds.
     pub(crate) fn last_s(&self) -> f64 {
-        self.chords
+        self.segments
             .iter()
-            .flat_map(|chord| [chord.from_s, chord.to_s])
+            .flat_map(|segment| [segment.from_s, segment.to_s])
             .filter(|time| time.is_finite())
             .fold(0.0, f64::max)
     }
 
     /// Whether it ends, as opposed to a stay in the air for ever.
     pub(crate) fn ends(&self) -> bool {
-        self.chords.iter().all(|chord| chord.to_s.is_finite())
+        self.segments.iter().all(|segment| segment.to_s.is_finite())
     }
 
     /// Ends every stay at `horizon_s`.
     pub(crate) fn stay_until(&mut self, horizon_s: f64) {
-        for chord in &mut self.chords {
-            if chord.to_s.is_infinite() {
-                chord.to_s = horizon_s.max(chord.from_s);
+        for segment in &mut self.segments {
+            if segment.to_s.is_infinite() {
+                segment.to_s = horizon_s.max(segment.from_s);
             }
         }
     }
 
     /// Notes what the limits on whole legs need.
-    pub(crate) fn take_stock(&mut self, legs: &Legs<'_>, chords: &[Chord], end_s: f64) {
+    pub(crate) fn take_stock(&mut self, legs: &Legs<'_>, segments: &[Segment], end_s: f64) {
         let Legs {
             knots,
             lines,
@@ -227,14 +227,14 @@ impl Flight {
         } = *legs;
         for (leg, line) in lines.iter().enumerate() {
             let (from, to) = (&knots[leg], &knots[leg + 1]);
-            let chord = firsts[leg];
-            let end = firsts.get(leg + 1).copied().unwrap_or(chords.len());
+            let segment = firsts[leg];
+            let end = firsts.get(leg + 1).copied().unwrap_or(segments.len());
             if line.follows {
                 self.follows_terrain = true;
-                self.slopes_over_ground(chords, chord..end, run.peak_mps[leg]);
+                self.slopes_over_ground(segments, segment..end, run.peak_mps[leg]);
             } else {
                 self.slopes.push(Slope {
-                    chord,
+                    segment,
                     phase: to.phase,
                     run_m: from.at.distance_m(to.at),
                     rise_m: to.amsl_m - from.amsl_m,
@@ -243,11 +243,11 @@ impl Flight {
                 });
             }
             self.cruises.push(Cruise {
-                chord,
+                segment,
                 speed_mps: to.speed_is_known.then_some(to.speed_mps),
             });
             if to.phase != Phase::Finish {
-                let t_s = chords.get(end).map_or(end_s, |next| next.from_s);
+                let t_s = segments.get(end).map_or(end_s, |next| next.from_s);
                 self.route.push(Mark {
                     point: to.point(),
                     row: to.row,
@@ -257,19 +257,19 @@ impl Flight {
         }
         for room in &run.rooms {
             self.turns.push(Turn {
-                chord: firsts[room.leg],
+                segment: firsts[room.leg],
                 left_m: room.left_m,
             });
         }
     }
 
-    /// Slopes of a leg that follows the terrain: chord by chord.
-    fn slopes_over_ground(&mut self, chords: &[Chord], of_leg: Range<usize>, speed_mps: f64) {
-        for chord in of_leg {
-            let of = &chords[chord];
+    /// Slopes of a leg that follows the terrain: segment by segment.
+    fn slopes_over_ground(&mut self, segments: &[Segment], of_leg: Range<usize>, speed_mps: f64) {
+        for segment in of_leg {
+            let of = &segments[segment];
             if of.flown && of.agl_m.is_some() {
                 self.slopes.push(Slope {
-                    chord,
+                    segment,
                     phase: of.phase,
                     run_m: of.from.at.distance_m(of.to.at),
                     rise_m: of.to.amsl.0 - of.from.amsl.0,
@@ -283,24 +283,24 @@ impl Flight {
     /// Cuts the flight at the first number that is not finite and marks it unknown from there:
     /// later steps rely on finite numbers.
     pub(crate) fn cut_at_nan(mut self) -> Self {
-        let is_known = |chord: &Chord| {
-            let ends = [chord.from, chord.to];
-            chord.from_s.is_finite()
-                && !chord.to_s.is_nan()
-                && chord.error_m.is_finite()
-                && chord
+        let is_known = |segment: &Segment| {
+            let ends = [segment.from, segment.to];
+            segment.from_s.is_finite()
+                && !segment.to_s.is_nan()
+                && segment.error_m.is_finite()
+                && segment
                     .agl_m
                     .is_none_or(|(from_m, to_m)| (from_m + to_m).is_finite())
                 && ends
                     .iter()
                     .all(|end| (end.at.east_m + end.at.north_m + end.amsl.0).is_finite())
         };
-        if let Some(first) = self.chords.iter().position(|chord| !is_known(chord)) {
+        if let Some(first) = self.segments.iter().position(|segment| !is_known(segment)) {
             self.unknown = Some(Unknown {
-                row: self.chords[first].row,
+                row: self.segments[first].row,
                 why: "the motion comes out as not a number".to_owned(),
             });
-            self.chords.truncate(first);
+            self.segments.truncate(first);
         }
         self
     }
@@ -314,18 +314,18 @@ mod tests {
     #[test]
     fn a_height_above_ground_that_is_not_a_number_ends_what_is_known() {
         let at = PlanPoint::new(0.0, 0.0, Amsl(500.0));
-        let chord = |agl_m| Chord {
+        let segment = |agl_m| Segment {
             agl_m,
             flown: true,
-            ..Chord::unflown((3, Phase::Route), (0.0, 1.0), (at, at))
+            ..Segment::unflown((3, Phase::Route), (0.0, 1.0), (at, at))
         };
         for agl_m in [(f64::NAN, 50.0), (50.0, f64::NAN), (f64::INFINITY, 50.0)] {
             let flight = Flight {
-                chords: vec![chord(Some((50.0, 50.0))), chord(Some(agl_m))],
+                segments: vec![segment(Some((50.0, 50.0))), segment(Some(agl_m))],
                 ..Flight::default()
             };
             let cut = flight.cut_at_nan();
-            assert_eq!(cut.chords.len(), 1, "{agl_m:?}");
+            assert_eq!(cut.segments.len(), 1, "{agl_m:?}");
             assert_eq!(cut.unknown.map(|unknown| unknown.row), Some(3));
         }
     }

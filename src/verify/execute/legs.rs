@@ -274,7 +274,7 @@ fn as_it_climbs(commanded_mps: &[f64], knots: &[Knot], vehicle: &Vehicle) -> Vec
             false => vehicle.descent_mps,
         };
         let run_m = pair[0].at.distance_m(pair[1].at);
-        // Over ground that is followed each chord is judged for itself.
+        // Over ground that is followed each segment is judged for itself.
         let steep_m = match pair[1].agl_m {
             Some(_) => 0.0,
             None => (rise_m.abs() - RISE_M).max(0.0),

@@ -1,24 +1,24 @@
-//! Chords laid along legs, one after the other in time.
+//! Segments laid along legs, one after the other in time.
 
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::world::{NoData, World};
 
 use super::decode::Unknown;
 use super::legs::{Knot, Piece, Shape};
-use crate::verify::measure::segment::{Chord, Column, Phase, stretches};
+use crate::verify::measure::segment::{Column, Phase, Segment, stretches};
 use crate::verify::measure::surface::Surface;
 
-/// A curved or accelerated piece is cut into chords that are never further off than this.
+/// A curved or accelerated piece is cut into segments that are never further off than this.
 const CHORD_ERROR_M: f64 = 0.02;
 
-/// Most chords of a mission, so that jumps around long circles cannot take all of the memory: 300 000 take some 130 MB.
-const MAX_CHORDS: usize = 300_000;
+/// Most segments of a mission, so that jumps around long circles cannot take all of the memory: 300 000 take some 130 MB.
+const MAX_SEGMENTS: usize = 300_000;
 
-/// The chords so far, and the time at their end.
+/// The segments so far, and the time at their end.
 pub(crate) struct TrajectoryBuilder<'a> {
     pub(crate) frame: &'a LocalFrame,
     surface: Surface<'a>,
-    pub(crate) chords: Vec<Chord>,
+    pub(crate) segments: Vec<Segment>,
     pub(crate) t_s: f64,
     /// By how much the vehicle may be late, for the stops so far, seconds.
     pub(crate) late_s: f64,
@@ -83,7 +83,7 @@ impl<'a> TrajectoryBuilder<'a> {
         Self {
             frame: &world.frame,
             surface: Surface::new(&world.terrain),
-            chords: Vec::new(),
+            segments: Vec::new(),
             t_s: 0.0,
             late_s: 0.0,
             early_s: 0.0,
@@ -100,16 +100,16 @@ impl<'a> TrajectoryBuilder<'a> {
     ) {
         let from_s = self.t_s;
         self.t_s += duration_s;
-        self.chords.push(Chord {
+        self.segments.push(Segment {
             column,
             late_s: self.late_s,
             early_s: self.early_s,
             flown: true,
-            ..Chord::unflown((row, phase), (from_s, self.t_s), (from, to))
+            ..Segment::unflown((row, phase), (from_s, self.t_s), (from, to))
         });
     }
 
-    /// Lays the chords of a piece, and of the two ends of legs at an arc.
+    /// Lays the segments of a piece, and of the two ends of legs at an arc.
     pub(crate) fn lay_piece(
         &mut self,
         piece: &Piece,
@@ -145,7 +145,7 @@ impl<'a> TrajectoryBuilder<'a> {
                 here_at(piece.shape.at(covered.0)),
                 here_at(piece.shape.at(covered.1)),
             );
-            let chord = Chord {
+            let segment = Segment {
                 error_m,
                 bow_m: if is_arc { error_m } else { 0.0 },
                 slope_from_m: to.slope_from_m,
@@ -154,9 +154,9 @@ impl<'a> TrajectoryBuilder<'a> {
                 late_s: self.late_s + piece.late_s,
                 early_s: self.early_s,
                 flown: true,
-                ..Chord::unflown((to.row, to.phase), times_s, ends)
+                ..Segment::unflown((to.row, to.phase), times_s, ends)
             };
-            self.lay(chord, &line.part(covered))?;
+            self.lay(segment, &line.part(covered))?;
         }
         self.t_s = from_s + duration_s;
         self.late_s += piece.late_s;
@@ -207,11 +207,11 @@ impl<'a> TrajectoryBuilder<'a> {
         let (corner, next) = (&knots[piece.leg + 1], &knots[piece.leg + 2]);
         let mut end = |knot: &Knot, (from, to), (from_s, to_s), line: AltitudeLine| {
             let ends = (here_at(from), here_at(to));
-            let chord = Chord {
+            let segment = Segment {
                 slope_from_m: knot.slope_from_m,
-                ..Chord::unflown((knot.row, knot.phase), (from_s, to_s), ends)
+                ..Segment::unflown((knot.row, knot.phase), (from_s, to_s), ends)
             };
-            self.lay(chord, &line)
+            self.lay(segment, &line)
         };
         let (leave, join) = (piece.shape.at(0.0), piece.shape.at(1.0));
         let until_s = from_s + 2.0 * (middle_s - from_s);
@@ -237,28 +237,28 @@ impl<'a> TrajectoryBuilder<'a> {
         line: &AltitudeLine,
     ) -> Result<(), Unknown> {
         let ends = (here_at(from.at), here_at(to.at));
-        self.lay(Chord::unflown((to.row, to.phase), when_s, ends), line)
+        self.lay(Segment::unflown((to.row, to.phase), when_s, ends), line)
     }
 
     /// Lays a piece of a leg that may be flown off its line, to be judged in space: from one
     /// place to another, each at the altitude of a fraction of the leg.
     pub(crate) fn lay_aside(
         &mut self,
-        chord: Chord,
+        segment: Segment,
         fractions: (f64, f64),
         line: &AltitudeLine,
     ) -> Result<(), Unknown> {
-        self.lay(chord, &line.part(fractions))
+        self.lay(segment, &line.part(fractions))
     }
 
-    /// Flies a chord, at altitudes along a line, from the present time to its own end.
-    pub(crate) fn curve(&mut self, chord: Chord, line: &AltitudeLine) -> Result<(), Unknown> {
-        let to_s = chord.to_s;
-        let flown = Chord {
+    /// Flies a segment, at altitudes along a line, from the present time to its own end.
+    pub(crate) fn curve(&mut self, segment: Segment, line: &AltitudeLine) -> Result<(), Unknown> {
+        let to_s = segment.to_s;
+        let flown = Segment {
             late_s: self.late_s,
             early_s: self.early_s,
             flown: true,
-            ..chord
+            ..segment
         };
         self.lay(flown, line)?;
         self.t_s = to_s;
@@ -267,36 +267,36 @@ impl<'a> TrajectoryBuilder<'a> {
 
     /// An error where as much is flown as can be judged.
     pub(crate) fn within_bound(&self, row: usize) -> Result<(), Unknown> {
-        if self.chords.len() < MAX_CHORDS {
+        if self.segments.len() < MAX_SEGMENTS {
             return Ok(());
         }
         let why = format!(
-            "more than {MAX_CHORDS} segments are flown, those that turns and jumps repeat included (allowed: {MAX_CHORDS}): divide the mission"
+            "more than {MAX_SEGMENTS} segments are flown, those that turns and jumps repeat included (allowed: {MAX_SEGMENTS}): divide the mission"
         );
         Unknown::err(row, why)
     }
 
-    /// Lays one chord with its altitudes; over terrain that is followed, several.
-    fn lay(&mut self, chord: Chord, line: &AltitudeLine) -> Result<(), Unknown> {
-        self.within_bound(chord.row)?;
+    /// Lays one segment with its altitudes; over terrain that is followed, several.
+    fn lay(&mut self, segment: Segment, line: &AltitudeLine) -> Result<(), Unknown> {
+        self.within_bound(segment.row)?;
         let raised = |at: EastNorth, amsl_m: f64| PlanPoint {
             at,
             amsl: Amsl(amsl_m),
         };
         if !line.follows {
-            self.chords.push(Chord {
-                from: raised(chord.from.at, line.value_m.0),
-                to: raised(chord.to.at, line.value_m.1),
-                ..chord
+            self.segments.push(Segment {
+                from: raised(segment.from.at, line.value_m.0),
+                to: raised(segment.to.at, line.value_m.1),
+                ..segment
             });
             return Ok(());
         }
-        let from = (chord.from.at, self.frame.from_plan(chord.from.at));
-        for stretch in stretches(self.frame, from, chord.to.at) {
+        let from = (segment.from.at, self.frame.from_plan(segment.from.at));
+        for stretch in stretches(self.frame, from, segment.to.at) {
             let patches = self
                 .surface
                 .under(stretch.from, stretch.to)
-                .map_err(|gap| no_data(chord.row, gap))?;
+                .map_err(|gap| no_data(segment.row, gap))?;
             for patch in patches {
                 let parts = split(patch.bulge_m);
                 let error_m = patch.bulge_m.abs() / f64::from(parts * parts) + patch.error_m;
@@ -308,20 +308,20 @@ impl<'a> TrajectoryBuilder<'a> {
                         let ground_m = h0 + (h1 - h0) * v + 4.0 * patch.bulge_m * v * (1.0 - v);
                         let agl_m = line.value_m(u);
                         (
-                            chord.time_s(u),
-                            raised(chord.at(u).at, ground_m + agl_m),
+                            segment.time_s(u),
+                            raised(segment.at(u).at, ground_m + agl_m),
                             agl_m,
                         )
                     };
                     let ((from_s, from, low_m), (to_s, to, high_m)) = (end(part), end(part + 1));
-                    self.chords.push(Chord {
+                    self.segments.push(Segment {
                         from_s,
                         to_s,
                         from,
                         to,
-                        error_m: chord.error_m + error_m,
+                        error_m: segment.error_m + error_m,
                         agl_m: Some((low_m, high_m)),
-                        ..chord
+                        ..segment
                     });
                 }
             }

@@ -47,13 +47,13 @@ pub(crate) fn other_posts<'a>(
     world: &World,
 ) -> Option<String> {
     let (mut worst_m, mut due_m) = (0.0_f64, 0.0);
-    for chord in flights
-        .flat_map(|flight| &flight.chords)
-        .filter(|chord| chord.agl_m.is_some())
+    for segment in flights
+        .flat_map(|flight| &flight.segments)
+        .filter(|segment| segment.agl_m.is_some())
     {
-        let length_m = chord.from.at.distance_m(chord.to.at);
+        let length_m = segment.from.at.distance_m(segment.to.at);
         while due_m < length_m {
-            let place = world.frame.from_plan(chord.at(due_m / length_m).at);
+            let place = world.frame.from_plan(segment.at(due_m / length_m).at);
             worst_m = worst_m.max(apart_m(world, place));
             due_m += EVERY_M;
         }

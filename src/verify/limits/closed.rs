@@ -6,11 +6,11 @@ use crate::geodesy::PlanPoint;
 use crate::spec::{Placement, Span, Zone};
 use crate::verify::execute::flight::{End, Flight};
 use crate::verify::measure::patch::Patch;
-use crate::verify::measure::segment::{Chord, Stretch};
+use crate::verify::measure::segment::{Segment, Stretch};
 use crate::verify::measure::surface::Surface;
 use crate::world::floor_over;
 
-/// When a flight may be on which of its chords.
+/// When a flight may be on which of its segments.
 pub(crate) struct Times<'a> {
     flight: &'a Flight,
     /// By row of the items: from when to when what is flown there lasts, as late and as early as it may be.
@@ -29,12 +29,12 @@ struct Lasts {
 }
 
 impl Lasts {
-    fn of(chord: &Chord) -> Self {
+    fn of(segment: &Segment) -> Self {
         Self {
-            from_s: chord.from_s,
-            to_s: chord.to_s,
-            late_s: chord.late_s,
-            early_s: chord.early_s,
+            from_s: segment.from_s,
+            to_s: segment.to_s,
+            late_s: segment.late_s,
+            early_s: segment.early_s,
         }
     }
 
@@ -50,28 +50,28 @@ impl Lasts {
 
 impl<'a> Times<'a> {
     pub(crate) fn of(flight: &'a Flight) -> Self {
-        let flown = || flight.chords.iter().filter(|chord| chord.flown);
-        let last_s = flown().map(|chord| chord.to_s).reduce(f64::max);
+        let flown = || flight.segments.iter().filter(|segment| segment.flown);
+        let last_s = flown().map(|segment| segment.to_s).reduce(f64::max);
         let stays = matches!(flight.end, Some(End::Stays(_)));
         let mut times = Self {
             flight,
             rows: HashMap::new(),
             stays_s: last_s.filter(|_| stays),
         };
-        for chord in flown() {
-            let lasts = times.lasts(chord);
-            let row = times.rows.entry(chord.row).or_insert(lasts);
+        for segment in flown() {
+            let lasts = times.lasts(segment);
+            let row = times.rows.entry(segment.row).or_insert(lasts);
             *row = row.and(lasts);
         }
         times
     }
 
-    /// From when to when a chord is flown. What is judged in space has no lateness of its own, and some of it no
+    /// From when to when a segment is flown. What is judged in space has no lateness of its own, and some of it no
     /// times: it stands for what is flown at any time on the way to its item.
-    fn lasts(&self, chord: &Chord) -> Lasts {
-        let own = Lasts::of(chord);
-        if chord.flown {
-            return match self.is_for_ever(chord) {
+    fn lasts(&self, segment: &Segment) -> Lasts {
+        let own = Lasts::of(segment);
+        if segment.flown {
+            return match self.is_for_ever(segment) {
                 true => Lasts {
                     to_s: f64::INFINITY,
                     ..own
@@ -79,10 +79,10 @@ impl<'a> Times<'a> {
                 false => own,
             };
         }
-        let Some(row) = self.rows.get(&chord.row) else {
+        let Some(row) = self.rows.get(&segment.row) else {
             return own;
         };
-        match chord.to_s > chord.from_s {
+        match segment.to_s > segment.from_s {
             true => Lasts {
                 from_s: own.from_s,
                 to_s: own.to_s,
@@ -93,19 +93,19 @@ impl<'a> Times<'a> {
     }
 
     /// Whether the vehicle stays there for ever, or comes there again and again on its last circle.
-    fn is_for_ever(&self, chord: &Chord) -> bool {
+    fn is_for_ever(&self, segment: &Segment) -> bool {
         /// The circle of a wing is this much wider in places, as a share of its radius.
         const WIDER: f64 = 0.05;
-        if self.stays_s == Some(chord.to_s) {
+        if self.stays_s == Some(segment.to_s) {
             return true;
         }
         let circle = self.flight.circle.as_ref();
-        let Some(stay) = circle.and_then(|of| self.flight.chords.get(of.chord)) else {
+        let Some(stay) = circle.and_then(|of| self.flight.segments.get(of.segment)) else {
             return false;
         };
         let reach_m = (1.0 + WIDER) * stay.error_m;
         let is_on = |at: PlanPoint| at.at.distance_m(stay.from.at) <= reach_m;
-        chord.row == stay.row && is_on(chord.from) && is_on(chord.to)
+        segment.row == stay.row && is_on(segment.from) && is_on(segment.to)
     }
 }
 
@@ -147,19 +147,19 @@ impl<'a> Closed<'a> {
     }
 
     /// The parts of a stretch at whose heights and times the zone is closed.
-    pub(crate) fn parts(&self, chord: &Chord, part: &Stretch) -> Vec<Stretch> {
+    pub(crate) fn parts(&self, segment: &Segment, part: &Stretch) -> Vec<Stretch> {
         if self.zone.is_closed_throughout() {
             return vec![*part];
         }
-        let Some(active) = self.active(chord, part) else {
+        let Some(active) = self.active(segment, part) else {
             return Vec::new();
         };
         let heights = match (self.zone.floor, self.zone.ceiling) {
             (Some(Placement::Agl(_)), _) | (_, Some(Placement::Agl(_))) => {
-                self.over_ground(chord, part)
+                self.over_ground(segment, part)
             }
             _ => self
-                .between(chord, part, (0.0, 1.0), &Level::SEA)
+                .between(segment, part, (0.0, 1.0), &Level::SEA)
                 .into_iter()
                 .collect(),
         };
@@ -176,22 +176,22 @@ impl<'a> Closed<'a> {
     }
 
     /// The part that is flown while the zone is active, if any.
-    fn active(&self, chord: &Chord, part: &Stretch) -> Option<Part> {
+    fn active(&self, segment: &Segment, part: &Stretch) -> Option<Part> {
         let Some((from_s, to_s)) = self.zone.active_s else {
             return Some((0.0, 1.0));
         };
-        let lasts = self.times.lasts(chord);
+        let lasts = self.times.lasts(segment);
         let takes_s = lasts.to_s - lasts.from_s;
         let from_s = from_s - self.shift_s.most - lasts.late_s;
         let to_s = to_s - self.shift_s.least + lasts.early_s;
-        if takes_s.is_infinite() || (lasts.from_s, lasts.to_s) != (chord.from_s, chord.to_s) {
+        if takes_s.is_infinite() || (lasts.from_s, lasts.to_s) != (segment.from_s, segment.to_s) {
             // It may be anywhere on it all the time.
             return (lasts.from_s <= to_s && lasts.to_s >= from_s).then_some((0.0, 1.0));
         }
         // What is not flown stands for what is flown somewhere in its time.
-        let vague_s = if chord.flown { 0.0 } else { takes_s };
+        let vague_s = if segment.flown { 0.0 } else { takes_s };
         let (from_s, to_s) = (from_s - vague_s, to_s + vague_s);
-        let at_s = |w: f64| chord.time_s(part.along(w));
+        let at_s = |w: f64| segment.time_s(part.along(w));
         let line = (at_s(0.0), at_s(1.0));
         let after = part_below((from_s - line.0, from_s - line.1))?;
         let before = part_below((line.0 - to_s, line.1 - to_s))?;
@@ -199,14 +199,14 @@ impl<'a> Closed<'a> {
     }
 
     /// The parts between floor and ceiling where one of them is above the ground.
-    fn over_ground(&self, chord: &Chord, part: &Stretch) -> Vec<Part> {
+    fn over_ground(&self, segment: &Segment, part: &Stretch) -> Vec<Part> {
         let Ok(patches) = self.surface.under(part.from, part.to) else {
             // Over unknown ground the zone may be anywhere.
             return vec![(0.0, 1.0)];
         };
         let middle = |patch: &Patch| 0.5 * (patch.w.0 + patch.w.1);
         let bow_rise_m =
-            |patch: &Patch| (self.surface).bow_rise_m(chord, part, (patch, middle(patch)));
+            |patch: &Patch| (self.surface).bow_rise_m(segment, part, (patch, middle(patch)));
         let level = |patch: &Patch| Level {
             ground_m: patch.height_m,
             // The ground is this near to the straight line between the ends of the patch.
@@ -214,29 +214,29 @@ impl<'a> Closed<'a> {
         };
         patches
             .iter()
-            .filter_map(|patch| self.between(chord, part, patch.w, &level(patch)))
+            .filter_map(|patch| self.between(segment, part, patch.w, &level(patch)))
             .collect()
     }
 
     /// The part of `[w0, w1]` between floor and ceiling.
     fn between(
         &self,
-        chord: &Chord,
+        segment: &Segment,
         part: &Stretch,
         (w0, w1): Part,
         level: &Level,
     ) -> Option<Part> {
-        let amsl_m = |w: f64| chord.at(part.along(w)).amsl.0;
+        let amsl_m = |w: f64| segment.at(part.along(w)).amsl.0;
         let of = |limit: Placement| match limit {
             Placement::Amsl(amsl) => (
                 amsl_m(w0) - amsl.0,
                 amsl_m(w1) - amsl.0,
-                chord.error_m + self.buffer_m,
+                segment.error_m + self.buffer_m,
             ),
             Placement::Agl(agl) => (
                 amsl_m(w0) - level.ground_m.0 - agl.0,
                 amsl_m(w1) - level.ground_m.1 - agl.0,
-                chord.error_m + level.error_m + self.buffer_m,
+                segment.error_m + level.error_m + self.buffer_m,
             ),
         };
         let mut part = (0.0, 1.0);

@@ -6,7 +6,7 @@ use crate::path::{flight, longer_for_takeoff_s, route_ends};
 use crate::spec::Endurance;
 use crate::verify::execute::flight::End;
 use crate::verify::limits::mission::Contract;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 use crate::verify::{Limit, Margin, Requirement};
 use crate::world::Departure;
 
@@ -31,14 +31,17 @@ impl Contract<'_> {
         let aloft = self.aloft(stays);
         let last = aloft.last()?;
         let before = self.used_before(endurance);
-        let used: f64 = aloft.iter().map(|chord| self.used(endurance, chord)).sum();
+        let used: f64 = aloft
+            .iter()
+            .map(|segment| self.used(endurance, segment))
+            .sum();
         let used = before + used;
         // A vehicle that is late hovers or circles for so long, where the air is thinnest.
         let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.stations.departure);
         let wind_mps = self.spec.wind.map_or(0.0, |wind| wind.speed_mps);
         let tops = aloft
             .iter()
-            .map(|chord| chord.from.amsl.0.max(chord.to.amsl.0));
+            .map(|segment| segment.from.amsl.0.max(segment.to.amsl.0));
         let top_m = tops.fold(f64::NEG_INFINITY, f64::max);
         let late = (self.vehicle).used_waiting(late_s, wind_mps, Amsl(top_m));
         let mut note = format!(
@@ -63,14 +66,14 @@ impl Contract<'_> {
     }
 
     /// What is flown, from the first motion on, without an endless stay.
-    fn aloft(&self, stays: bool) -> Vec<&Chord> {
-        let circle = self.flight.circle.map(|circle| circle.chord);
-        let chords = self.flight.chords.iter().enumerate();
-        let flown = chords.filter(|(index, chord)| chord.flown && circle != Some(*index));
-        let moves = |chord: &Chord| chord.from.distance_m(chord.to) > STILL_M;
-        let flown = flown.map(|(_, chord)| chord);
-        let mut aloft: Vec<&Chord> = flown.skip_while(|chord| !moves(chord)).collect();
-        while stays && aloft.last().is_some_and(|chord| !moves(chord)) {
+    fn aloft(&self, stays: bool) -> Vec<&Segment> {
+        let circle = self.flight.circle.map(|circle| circle.segment);
+        let segments = self.flight.segments.iter().enumerate();
+        let flown = segments.filter(|(index, segment)| segment.flown && circle != Some(*index));
+        let moves = |segment: &Segment| segment.from.distance_m(segment.to) > STILL_M;
+        let flown = flown.map(|(_, segment)| segment);
+        let mut aloft: Vec<&Segment> = flown.skip_while(|segment| !moves(segment)).collect();
+        while stays && aloft.last().is_some_and(|segment| !moves(segment)) {
             aloft.pop();
         }
         aloft
@@ -102,9 +105,13 @@ impl Contract<'_> {
             .sum()
     }
 
-    /// What a chord uses.
-    fn used(&self, endurance: &Endurance, chord: &Chord) -> f64 {
-        self.used_between(endurance, (chord.from, chord.to), chord.to_s - chord.from_s)
+    /// What a segment uses.
+    fn used(&self, endurance: &Endurance, segment: &Segment) -> f64 {
+        self.used_between(
+            endurance,
+            (segment.from, segment.to),
+            segment.to_s - segment.from_s,
+        )
     }
 
     fn used_between(

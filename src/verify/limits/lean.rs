@@ -3,7 +3,7 @@
 use super::mission::Contract;
 use crate::mission::lean_limit_deg;
 use crate::spec::Airframe;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin};
 
@@ -18,10 +18,10 @@ const SHORTEST_OF_ROUND_M: f64 = 0.01;
 const HOVER_MPS: f64 = 0.1;
 
 /// Whether a copter stays over a place, or rises or descends there.
-fn hovers(chord: &Chord) -> bool {
-    let lasts_s = chord.to_s - chord.from_s;
-    let run_m = chord.from.at.distance_m(chord.to.at);
-    chord.flown && lasts_s > 0.0 && run_m <= HOVER_MPS * lasts_s
+fn hovers(segment: &Segment) -> bool {
+    let lasts_s = segment.to_s - segment.from_s;
+    let run_m = segment.from.at.distance_m(segment.to.at);
+    segment.flown && lasts_s > 0.0 && run_m <= HOVER_MPS * lasts_s
 }
 
 impl Contract<'_> {
@@ -37,25 +37,25 @@ impl Contract<'_> {
         let (mut worst, mut over_ground_mps) = (Worst::default(), f64::INFINITY);
         let mut cruises = self.flight.cruises.iter().peekable();
         let mut speed_mps = self.vehicle.speed_mps;
-        for (index, chord) in self.flight.chords.iter().enumerate() {
-            while let Some(cruise) = cruises.next_if(|cruise| cruise.chord <= index) {
+        for (index, segment) in self.flight.segments.iter().enumerate() {
+            while let Some(cruise) = cruises.next_if(|cruise| cruise.segment <= index) {
                 speed_mps = cruise.speed_mps.unwrap_or(self.vehicle.speed_mps);
             }
             let mut offer = |through_mps: f64| {
                 let is_same = (through_mps - bound_mps).abs() <= ENCODING_MPS;
                 let value = if is_same { bound_mps } else { through_mps };
-                worst.at_most(value, bound_mps, || chord.moment(&self.world.frame, 0.0));
+                worst.at_most(value, bound_mps, || segment.moment(&self.world.frame, 0.0));
             };
-            if hovers(chord) {
+            if hovers(segment) {
                 offer(wind_mps);
             }
             let mut rounds = self.flight.on_rotors.iter();
-            let round = rounds.find(|round| round.chords.contains(&index));
+            let round = rounds.find(|round| round.segments.contains(&index));
             let (flown_mps, shortest_m) = match round {
                 Some(round) => (round.speed_mps, SHORTEST_OF_ROUND_M),
                 None => (speed_mps, SHORTEST_M),
             };
-            let Some([along_mps, across_mps]) = self.wind_on(chord, shortest_m) else {
+            let Some([along_mps, across_mps]) = self.wind_on(segment, shortest_m) else {
                 continue;
             };
             offer((flown_mps - along_mps).hypot(across_mps));
@@ -75,8 +75,8 @@ impl Contract<'_> {
     }
 
     /// The wind along a piece of a leg and across it, m/s.
-    fn wind_on(&self, chord: &Chord, shortest_m: f64) -> Option<[f64; 2]> {
-        let (from, to) = (chord.from.at, chord.to.at);
+    fn wind_on(&self, segment: &Segment, shortest_m: f64) -> Option<[f64; 2]> {
+        let (from, to) = (segment.from.at, segment.to.at);
         let length_m = from.distance_m(to);
         if length_m < shortest_m {
             return None;

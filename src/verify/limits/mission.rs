@@ -24,7 +24,7 @@ use super::fence::Fence;
 use crate::verify::execute::executor::is_launched;
 use crate::verify::execute::flight::{End, Flight, Last, Slope};
 use crate::verify::execute::legs::RISE_M;
-use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::segment::{Phase, Segment};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment, Requirement};
 
@@ -92,11 +92,11 @@ impl Contract<'_> {
             .unknown
             .as_ref()
             .map_or(total, |unknown| count(unknown.row.saturating_sub(1)));
-        let last = self.flight.chords.last();
+        let last = self.flight.segments.last();
         let at = self.flight.unknown.as_ref().zip(last);
-        let at = at.map(|(unknown, chord)| Moment {
+        let at = at.map(|(unknown, segment)| Moment {
             item: unknown.row,
-            ..chord.moment(&self.world.frame, 1.0)
+            ..segment.moment(&self.world.frame, 1.0)
         });
         let required = Requirement::at_least(Limit::ItemsJudged, total, "items");
         Margin {
@@ -123,8 +123,8 @@ impl Contract<'_> {
             why,
             is_harmless,
         } = last;
-        let chord = self.flight.chords.last();
-        let at = chord.map(|chord| chord.moment(&self.world.frame, 0.0));
+        let segment = self.flight.segments.last();
+        let at = segment.map(|segment| segment.moment(&self.world.frame, 0.0));
         let required = Requirement::at_least(Limit::ItemsJudged, total, "items");
         let stays = matches!(self.flight.end, Some(End::Stays(_)));
         let how = match stays {
@@ -190,12 +190,12 @@ impl Contract<'_> {
             return vec![margin(None, String::new())];
         }
         let flown = |problem: &AcceptanceProblem| {
-            let of_item = |chord: &&Chord| chord.row == problem.item;
+            let of_item = |segment: &&Segment| segment.row == problem.item;
             let in_mission = problem.list == List::Mission;
-            let chord = self.flight.chords.iter().find(of_item);
-            chord
+            let segment = self.flight.segments.iter().find(of_item);
+            segment
                 .filter(|_| in_mission)
-                .map(|chord| chord.moment(&self.world.frame, 1.0))
+                .map(|segment| segment.moment(&self.world.frame, 1.0))
         };
         let at = |problem: &AcceptanceProblem| {
             at_fence
@@ -210,7 +210,7 @@ impl Contract<'_> {
 
     /// The delay before takeoff against `depart_s` or its window, where the autopilot keeps one.
     fn departure(&self) -> Option<Margin> {
-        let first = self.flight.chords.first()?;
+        let first = self.flight.segments.first()?;
         let is_airborne = self.stations.departure.is_airborne();
         let is_launched = is_launched(self.vehicle, self.mission.autopilot);
         if is_airborne || self.flight.delay_s.is_none() && is_launched {
@@ -237,16 +237,16 @@ impl Contract<'_> {
         let mut worst = Worst::default();
         let lines = self.lines_with_speeds();
         for (index, cruise) in self.flight.cruises.iter().enumerate() {
-            let Some(chord) = self.flight.chords.get(cruise.chord) else {
+            let Some(segment) = self.flight.segments.get(cruise.segment) else {
                 continue;
             };
-            let at = || chord.moment(&self.world.frame, 0.0);
+            let at = || segment.moment(&self.world.frame, 0.0);
             match (cruise.speed_mps, self.mission.autopilot) {
                 (Some(speed_mps), _) => {
                     if self.offer_lines(&mut worst, (index, speed_mps), &lines) {
                         continue;
                     }
-                    let own_mps = match self.speed_since_stop(chord.from_s) {
+                    let own_mps = match self.speed_since_stop(segment.from_s) {
                         Some(planned_mps) => (speed_mps - planned_mps).abs(),
                         None => self.vehicle.speeds().miss(speed_mps),
                     };
@@ -322,16 +322,16 @@ impl Contract<'_> {
         let mut angles = [Worst::default(), Worst::default()];
         let mut rates = [Worst::default(), Worst::default()];
         let is_airborne = self.stations.departure.is_airborne();
-        let begun = self.flight.chords.first().filter(|_| is_airborne);
+        let begun = self.flight.segments.first().filter(|_| is_airborne);
         let set = as_set(self.vehicle, self.mission);
         for slope in &self.flight.slopes {
-            let Some(chord) = self.flight.chords.get(slope.chord) else {
+            let Some(segment) = self.flight.segments.get(slope.segment) else {
                 continue;
             };
-            if begun.is_some_and(|begun| begun.row == chord.row) {
+            if begun.is_some_and(|begun| begun.row == segment.row) {
                 continue;
             }
-            let at = || chord.moment(&self.world.frame, 0.0);
+            let at = || segment.moment(&self.world.frame, 0.0);
             let way = usize::from(slope.rise_m < 0.0);
             let rise_m = (slope.rise_m.abs() - RISE_M).max(0.0);
             if slope.phase == Phase::Route {
@@ -362,8 +362,8 @@ impl Contract<'_> {
     fn turns(&self) -> Option<Margin> {
         let mut worst = Worst::default();
         for turn in &self.flight.turns {
-            if let Some(chord) = self.flight.chords.get(turn.chord) {
-                worst.at_least(turn.left_m, 0.0, || chord.moment(&self.world.frame, 0.0));
+            if let Some(segment) = self.flight.segments.get(turn.segment) {
+                worst.at_least(turn.left_m, 0.0, || segment.moment(&self.world.frame, 0.0));
             }
         }
         worst.margin(self.id(), Limit::TurnFit, "m")
@@ -394,11 +394,16 @@ impl Contract<'_> {
             let Some(radius_m) = own_m.or(of_all_m) else {
                 continue;
             };
-            let Some(chord) = self.flight.chords.iter().rfind(|chord| chord.row == row) else {
+            let Some(segment) = self
+                .flight
+                .segments
+                .iter()
+                .rfind(|segment| segment.row == row)
+            else {
                 // Not flown as far as is known, which fails already.
                 continue;
             };
-            worst.at_most(radius_m, limit_m, || chord.moment(&self.world.frame, 1.0));
+            worst.at_most(radius_m, limit_m, || segment.moment(&self.world.frame, 1.0));
         }
         worst.margin(self.id(), Limit::AcceptanceRadius, "m")
     }

@@ -9,7 +9,7 @@ use crate::numeric::tracks::{Nearness, Track, Tracks};
 use crate::path::{most_shift_s, takeoff_shift_s, with_stops_s};
 use crate::spec::{Separation, Span};
 
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 use crate::verify::measure::timeline::{
     Distance, Metric, Nearest, Timeline, come_nearer, motion, nearest,
 };
@@ -65,20 +65,20 @@ fn margins_of(
     margins.collect()
 }
 
-/// Who comes near whom, by the index over the chords of all.
+/// Who comes near whom, by the index over the segments of all.
 struct Near {
     tracks: Tracks,
     nearness: Nearness,
 }
 
 impl Near {
-    /// For pairs that may have a margin below `below_m`, less the errors of their chords.
+    /// For pairs that may have a margin below `below_m`, less the errors of their segments.
     fn new(timelines: &[Timeline<'_>], separation: &Separation, below_m: f64) -> Self {
         /// More than rounding may take from a distance, metres.
         const TOLERANCE_M: f64 = 1e-3;
-        let chords = timelines.iter().flat_map(|timeline| &timeline.chords);
-        let error_m = chords
-            .map(|chord| chord.error_m + chord.wide_m)
+        let segments = timelines.iter().flat_map(|timeline| &timeline.segments);
+        let error_m = segments
+            .map(|segment| segment.error_m + segment.wide_m)
             .fold(0.0, f64::max);
         let fleet = timelines.iter().map(|timeline| {
             let (late_s, early_s) = timeline
@@ -99,7 +99,13 @@ impl Near {
         };
         let mut tracks = Tracks::new(&nearness);
         tracks.extend(timelines.iter().map(|timeline| {
-            Track::new(timeline.chords.iter().map(|chord| motion(chord)).collect())
+            Track::new(
+                timeline
+                    .segments
+                    .iter()
+                    .map(|segment| motion(segment))
+                    .collect(),
+            )
         }));
         Self { tracks, nearness }
     }
@@ -121,10 +127,10 @@ pub(crate) fn assumption(fleet: usize, separation: &Separation) -> Option<String
 }
 
 /// Whether two flights break the separation: exactly where [`margins`] has a margin that is not
-/// kept. A flight without chords breaks none.
+/// kept. A flight without segments breaks none.
 pub(crate) fn are_in_conflict(
-    a: &Timeline<'_, Chord>,
-    b: &Timeline<'_, Chord>,
+    a: &Timeline<'_, Segment>,
+    b: &Timeline<'_, Segment>,
     separation: &Separation,
 ) -> bool {
     let metric = Metric {
@@ -186,8 +192,8 @@ fn judge(
     frame: &LocalFrame,
     how: &str,
 ) -> Margin {
-    let (mine, other) = (a.chords[found.chords.0], b.chords[found.chords.1]);
-    let moment = |chord: &Chord, t_s: f64| chord.moment(frame, chord.fraction_at(t_s));
+    let (mine, other) = (a.segments[found.segments.0], b.segments[found.segments.1]);
+    let moment = |segment: &Segment, t_s: f64| segment.moment(frame, segment.fraction_at(t_s));
     let there = moment(other, found.times_s.1);
     let shift_s = found.times_s.1 - found.times_s.0;
     let split = if how.is_empty() { "" } else { "; " };
@@ -253,15 +259,15 @@ mod tests {
     use crate::verify::measure::segment::Phase;
     use proptest::prelude::*;
 
-    fn chord(
+    fn segment(
         (from_s, from): (f64, PlanPoint),
         (to_s, to): (f64, PlanPoint),
         error_m: f64,
-    ) -> Chord {
-        Chord {
+    ) -> Segment {
+        Segment {
             error_m,
             flown: true,
-            ..Chord::unflown((1, Phase::Route), (from_s, to_s), (from, to))
+            ..Segment::unflown((1, Phase::Route), (from_s, to_s), (from, to))
         }
     }
 
@@ -281,15 +287,15 @@ mod tests {
     }
 
     /// One along a line at 10 m/s, and one across it that is there 100 s later than it.
-    fn crossing() -> [Vec<Chord>; 2] {
+    fn crossing() -> [Vec<Segment>; 2] {
         let at = |east, north| PlanPoint::new(east, north, Amsl(100.0));
         [
-            vec![chord(
+            vec![segment(
                 (0.0, at(-1000.0, 0.0)),
                 (200.0, at(1000.0, 0.0)),
                 0.0,
             )],
-            vec![chord(
+            vec![segment(
                 (100.0, at(0.0, -1000.0)),
                 (300.0, at(0.0, 1000.0)),
                 0.0,
@@ -339,26 +345,26 @@ mod tests {
     }
 
     /// A flight through some places; every third stays at the last for ever.
-    fn flight() -> impl Strategy<Value = Vec<Chord>> {
+    fn flight() -> impl Strategy<Value = Vec<Segment>> {
         let place = (-900.0..900.0_f64, -900.0..900.0_f64, 0.0..80.0_f64)
             .prop_map(|(east, north, amsl)| PlanPoint::new(east, north, Amsl(amsl)));
         let way = prop::collection::vec((place, 1.0..60.0_f64, 0.0..3.0_f64), 2..7);
         (0.0..90.0_f64, way, 0..3_u8).prop_map(|(mut t_s, way, finish)| {
-            let mut chords = Vec::new();
+            let mut segments = Vec::new();
             for pair in way.windows(2) {
                 let next_s = t_s + pair[1].1;
-                chords.push(chord((t_s, pair[0].0), (next_s, pair[1].0), pair[1].2));
+                segments.push(segment((t_s, pair[0].0), (next_s, pair[1].0), pair[1].2));
                 t_s = next_s;
             }
-            if let Some(last) = chords.last_mut() {
+            if let Some(last) = segments.last_mut() {
                 // As after a stop.
                 last.late_s = 2.0 * last.error_m;
             }
             if finish == 0 {
                 let last = way[way.len() - 1].0;
-                chords.push(chord((t_s, last), (f64::INFINITY, last), 0.0));
+                segments.push(segment((t_s, last), (f64::INFINITY, last), 0.0));
             }
-            chords
+            segments
         })
     }
 
@@ -374,11 +380,11 @@ mod tests {
             let separation = Separation { distance_m, vertical_m, time_slack_s };
             let frame = LocalFrame::new(LatLon { lat_deg: 36.0, lon_deg: -84.0 });
             let copter = vehicle(Autopilot::ArduPilot, Airframe::Copter);
-            let timelines = [&one, &other].map(|chords| Timeline::new(on_ground(&copter), chords));
+            let timelines = [&one, &other].map(|segments| Timeline::new(on_ground(&copter), segments));
             let margins = margins(&timelines, &[false; 2], &separation, &frame);
             let is_broken = margins.iter().any(|(_, margin)| !margin.ok && margin.unit == "m"
                 && (margin.bound - distance_m).abs() < 1e-9);
-            let [one, other] = [&one, &other].map(|chords| Timeline::of(on_ground(&copter), chords.clone()));
+            let [one, other] = [&one, &other].map(|segments| Timeline::of(on_ground(&copter), segments.clone()));
             prop_assert_eq!(are_in_conflict(&one, &other, &separation), is_broken);
         }
     }
@@ -404,7 +410,7 @@ mod tests {
             let timelines: Vec<Timeline<'_>> = fleet
                 .iter()
                 .enumerate()
-                .map(|(index, chords)| Timeline::new(on_ground(&kinds[index % (1 + usize::from(is_mixed))]), chords))
+                .map(|(index, segments)| Timeline::new(on_ground(&kinds[index % (1 + usize::from(is_mixed))]), segments))
                 .collect();
             let all = 0..timelines.len();
             let all = all.flat_map(|first| (first + 1..timelines.len()).map(move |other| (first, other)));

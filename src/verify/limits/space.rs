@@ -11,7 +11,7 @@ use super::closed::{Closed, Times};
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
 use crate::verify::measure::outline::{Cylinder, Keep, Outline, Part, ZoneShape};
-use crate::verify::measure::segment::{Chord, Column, Stretch, stretches};
+use crate::verify::measure::segment::{Column, Segment, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
 use crate::verify::measure::worst::{Worst, nearest_first};
 use crate::verify::{Limit, Margin, Moment};
@@ -75,33 +75,33 @@ impl<'a> Space<'a> {
         };
         let mut way: Vec<Part<'_>> = Vec::new();
         let mut last: Option<(EastNorth, LatLon)> = None;
-        let chords = flight.chords.iter().enumerate();
-        for (_, chord) in chords.filter(|(index, _)| Some(*index) != flight.repetition) {
-            // Most chords begin where the one before ends.
+        let segments = flight.segments.iter().enumerate();
+        for (_, segment) in segments.filter(|(index, _)| Some(*index) != flight.repetition) {
+            // Most segments begin where the one before ends.
             let from = last
-                .filter(|(at, _)| *at == chord.from.at)
-                .unwrap_or_else(|| (chord.from.at, self.world.frame.from_plan(chord.from.at)));
-            let parts = stretches(&self.world.frame, from, chord.to.at);
-            last = parts.last().map(|part| (chord.to.at, part.to));
-            self.judge_ground(chord, &parts, &mut found);
-            self.judge_ceiling(chord, &mut found.ceiling);
-            self.judge_layer(layer, chord, &parts, &mut found);
-            self.judge_threats(chord, &parts, &mut found.threats);
-            let part_of = |part: &Stretch| Part::new(chord, *part, chord.bow_m);
+                .filter(|(at, _)| *at == segment.from.at)
+                .unwrap_or_else(|| (segment.from.at, self.world.frame.from_plan(segment.from.at)));
+            let parts = stretches(&self.world.frame, from, segment.to.at);
+            last = parts.last().map(|part| (segment.to.at, part.to));
+            self.judge_ground(segment, &parts, &mut found);
+            self.judge_ceiling(segment, &mut found.ceiling);
+            self.judge_layer(layer, segment, &parts, &mut found);
+            self.judge_threats(segment, &parts, &mut found.threats);
+            let part_of = |part: &Stretch| Part::new(segment, *part, segment.bow_m);
             way.extend(parts.iter().map(part_of));
             for part in &parts {
-                // What is flown may be as far as its bow from the chord, to any side.
-                let bow_m = chord.bow_m;
+                // What is flown may be as far as its bow from the segment, to any side.
+                let bow_m = segment.bow_m;
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
                 let least_m = self.spec.buffers.area_m;
                 found
                     .area
-                    .at_least(area_m - bow_m, least_m, || moment(chord, part, w));
+                    .at_least(area_m - bow_m, least_m, || moment(segment, part, w));
                 if !fence.is_empty() {
                     let (fence_m, w) = fence.margin_m(part, found.fence.room() + bow_m);
                     found
                         .fence
-                        .at_least(fence_m - bow_m, 0.0, || moment(chord, part, w));
+                        .at_least(fence_m - bow_m, 0.0, || moment(segment, part, w));
                 }
             }
         }
@@ -122,7 +122,7 @@ impl<'a> Space<'a> {
         let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
             let why = "the vehicle leaves the ground and flies nowhere";
             let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
-            (!flight.chords.is_empty() && !flight.begins_in_column).then(unjudged)
+            (!flight.segments.is_empty() && !flight.begins_in_column).then(unjudged)
         });
         [
             clearance,
@@ -159,44 +159,44 @@ impl<'a> Space<'a> {
     /// Height above ground. On the route it must be the minimum. The column of a takeoff or
     /// landing begins or ends on the ground and is judged at its upper end, that of a drop at its lower end. A climb-out and a
     /// glide have a limit of their own.
-    fn judge_ground(&self, chord: &Chord, parts: &[Stretch], found: &mut Found) {
+    fn judge_ground(&self, segment: &Segment, parts: &[Stretch], found: &mut Found) {
         let min_m = self.world.min_agl.0;
-        if let Some(column) = chord.column {
+        if let Some(column) = segment.column {
             if let Some(part) = parts.first() {
-                self.judge_contact(chord, column, part, &mut found.contact);
+                self.judge_contact(segment, column, part, &mut found.contact);
             }
-        } else if let Some(ends_m) = chord.agl_m {
+        } else if let Some(ends_m) = segment.agl_m {
             let (least_m, u) = lower_end(ends_m);
-            let at = || chord.moment(&self.world.frame, u);
+            let at = || segment.moment(&self.world.frame, u);
             found.clearance.at_least(least_m, min_m, at);
-        } else if let Some(ground_m) = chord.slope_from_m {
+        } else if let Some(ground_m) = segment.slope_from_m {
             let share_m = |amsl_m: f64| SLOPE_SHARE * (amsl_m - ground_m);
-            self.judge_clearance(chord, parts, &share_m, &mut found.slope);
+            self.judge_clearance(segment, parts, &share_m, &mut found.slope);
         } else {
-            self.judge_clearance(chord, parts, &|_| min_m, &mut found.clearance);
+            self.judge_clearance(segment, parts, &|_| min_m, &mut found.clearance);
         }
     }
 
     /// The upper end of a vertical takeoff or landing, and the lower end of a drop, above the ground.
-    fn judge_contact(&self, chord: &Chord, column: Column, part: &Stretch, worst: &mut Worst) {
-        let rises = chord.to.amsl.0 > chord.from.amsl.0;
+    fn judge_contact(&self, segment: &Segment, column: Column, part: &Stretch, worst: &mut Worst) {
+        let rises = segment.to.amsl.0 > segment.from.amsl.0;
         let u = f64::from(u8::from(rises == (column == Column::Ground)));
-        let amsl = chord.at(u).amsl;
+        let amsl = segment.at(u).amsl;
         match self.surface.height_m(part.from) {
             Ok(ground_m) => worst.at_least(amsl.0 - ground_m, 0.0, || Moment {
                 place: part.from,
                 amsl,
-                t_s: chord.time_s(u),
-                item: chord.row,
+                t_s: segment.time_s(u),
+                item: segment.row,
             }),
-            Err(gap) => no_data(worst, 0.0, chord, gap),
+            Err(gap) => no_data(worst, 0.0, segment, gap),
         }
     }
 
-    /// Height above the ground under a chord, and the height required at an altitude.
+    /// Height above the ground under a segment, and the height required at an altitude.
     fn judge_clearance(
         &self,
-        chord: &Chord,
+        segment: &Segment,
         parts: &[Stretch],
         required_m: &dyn Fn(f64) -> f64,
         worst: &mut Worst,
@@ -204,9 +204,9 @@ impl<'a> Space<'a> {
         for part in parts {
             let patches = match self.surface.under(part.from, part.to) {
                 Ok(patches) => patches,
-                Err(gap) => return no_data(worst, self.world.min_agl.0, chord, gap),
+                Err(gap) => return no_data(worst, self.world.min_agl.0, segment, gap),
             };
-            let amsl_m = |w: f64| chord.at(part.along(w)).amsl.0;
+            let amsl_m = |w: f64| segment.at(part.along(w)).amsl.0;
             for patch in patches {
                 let over_m = |w: f64, ground_m: f64| amsl_m(w) - ground_m - required_m(amsl_m(w));
                 let (over_m, v) = patch.least_clearance_m(
@@ -214,81 +214,86 @@ impl<'a> Space<'a> {
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                let rise_m = self.surface.bow_rise_m(chord, part, (&patch, w));
+                let rise_m = self.surface.bow_rise_m(segment, part, (&patch, w));
                 let bound_m = required_m(amsl_m(w));
                 let least_m = over_m + bound_m - rise_m;
-                worst.at_least(least_m, bound_m, || moment(chord, part, w));
+                worst.at_least(least_m, bound_m, || moment(segment, part, w));
             }
         }
     }
 
-    fn judge_ceiling(&self, chord: &Chord, worst: &mut Worst) {
-        let u = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
-        let slack_m = if chord.agl_m.is_some() {
-            chord.error_m
+    fn judge_ceiling(&self, segment: &Segment, worst: &mut Worst) {
+        let u = f64::from(u8::from(segment.to.amsl.0 > segment.from.amsl.0));
+        let slack_m = if segment.agl_m.is_some() {
+            segment.error_m
         } else {
             0.0
         };
-        let highest_m = chord.at(u).amsl.0 + slack_m;
+        let highest_m = segment.at(u).amsl.0 + slack_m;
         worst.at_most(highest_m, self.world.max_amsl.0, || {
-            chord.moment(&self.world.frame, u)
+            segment.moment(&self.world.frame, u)
         });
     }
 
     /// The greatest height above ground everywhere, and the least altitude on the way: not in the
     /// columns and slopes of takeoff and landing.
-    fn judge_layer(&self, layer: Layer, chord: &Chord, parts: &[Stretch], found: &mut Found) {
+    fn judge_layer(&self, layer: Layer, segment: &Segment, parts: &[Stretch], found: &mut Found) {
         if layer.max_agl_m.is_finite() {
-            match chord.agl_m {
+            match segment.agl_m {
                 Some((from_m, to_m)) => {
                     let (least_m, u) = lower_end((-from_m, -to_m));
-                    let at = || chord.moment(&self.world.frame, u);
+                    let at = || segment.moment(&self.world.frame, u);
                     found.height.at_most(-least_m, layer.max_agl_m, at);
                 }
-                None => self.judge_height(layer.max_agl_m, chord, parts, &mut found.height),
+                None => self.judge_height(layer.max_agl_m, segment, parts, &mut found.height),
             }
         }
-        if layer.min_amsl_m.is_finite() && chord.column.is_none() && chord.slope_from_m.is_none() {
-            let ends_m = (chord.from.amsl.0, chord.to.amsl.0);
+        if layer.min_amsl_m.is_finite()
+            && segment.column.is_none()
+            && segment.slope_from_m.is_none()
+        {
+            let ends_m = (segment.from.amsl.0, segment.to.amsl.0);
             let (least_m, u) = lower_end(ends_m);
-            let slack_m = chord.agl_m.map_or(0.0, |_| chord.error_m);
-            let at = || chord.moment(&self.world.frame, u);
+            let slack_m = segment.agl_m.map_or(0.0, |_| segment.error_m);
+            let at = || segment.moment(&self.world.frame, u);
             found.low.at_least(least_m - slack_m, layer.min_amsl_m, at);
         }
     }
 
-    /// Height above the lowest ground under a chord.
-    fn judge_height(&self, most_m: f64, chord: &Chord, parts: &[Stretch], worst: &mut Worst) {
+    /// Height above the lowest ground under a segment.
+    fn judge_height(&self, most_m: f64, segment: &Segment, parts: &[Stretch], worst: &mut Worst) {
         for part in parts {
             let patches = match self.surface.under(part.from, part.to) {
                 Ok(patches) => patches,
-                Err(gap) => return no_data(worst, most_m, chord, gap),
+                Err(gap) => return no_data(worst, most_m, segment, gap),
             };
             for patch in patches {
-                let over_m = |w: f64, ground_m: f64| chord.at(part.along(w)).amsl.0 - ground_m;
+                let over_m = |w: f64, ground_m: f64| segment.at(part.along(w)).amsl.0 - ground_m;
                 let (over_m, v) = patch.greatest_clearance_m(
                     over_m(patch.w.0, patch.height_m.0),
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                let fall_m = self.surface.bow_rise_m(chord, part, (&patch, w));
-                worst.at_most(over_m + fall_m, most_m, || moment(chord, part, w));
+                let fall_m = self.surface.bow_rise_m(segment, part, (&patch, w));
+                worst.at_most(over_m + fall_m, most_m, || moment(segment, part, w));
             }
         }
     }
 
-    fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {
+    fn judge_threats(&self, segment: &Segment, parts: &[Stretch], worst: &mut [Worst]) {
         let least_m = self.spec.buffers.threats_m;
         for ((disc, cylinder), worst) in self.world.threats.iter().zip(&self.threats).zip(worst) {
             // Distances in the plane differ from those around the threat by far less than this.
-            let around_m = disc.center.distance_m(chord.at(0.5).at)
-                - 0.5 * chord.from.at.distance_m(chord.to.at);
-            if 0.999 * around_m - disc.radius_m - 1.0 - chord.bow_m > worst.room() {
+            let around_m = disc.center.distance_m(segment.at(0.5).at)
+                - 0.5 * segment.from.at.distance_m(segment.to.at);
+            if 0.999 * around_m - disc.radius_m - 1.0 - segment.bow_m > worst.room() {
                 continue;
             }
             for part in parts {
                 let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
-                worst.at_least(margin_m - chord.bow_m, least_m, || moment(chord, part, w));
+                worst.at_least(margin_m - segment.bow_m, least_m, || {
+                    moment(segment, part, w)
+                });
             }
         }
     }
@@ -310,10 +315,10 @@ impl<'a> Space<'a> {
         let closed = Closed::new(zone, &self.surface, (times, shift_s));
         let closed = closed.widened(least_m);
         let judge = |part: &Part<'_>, worst: &mut Worst| {
-            for stretch in closed.parts(part.chord, &part.stretch) {
+            for stretch in closed.parts(part.segment, &part.stretch) {
                 let (margin_m, w) = shape.margin_m(&stretch);
                 worst.at_least(margin_m - part.slack_m, least_m, || {
-                    moment(part.chord, &stretch, w)
+                    moment(part.segment, &stretch, w)
                 });
             }
         };
@@ -326,7 +331,7 @@ impl<'a> Space<'a> {
     }
 }
 
-/// The lower of two heights and the fraction of the chord there; NaN is lower than any.
+/// The lower of two heights and the fraction of the segment there; NaN is lower than any.
 fn lower_end((from_m, to_m): (f64, f64)) -> (f64, f64) {
     if from_m <= to_m || from_m.is_nan() {
         (from_m, 0.0)
@@ -335,22 +340,22 @@ fn lower_end((from_m, to_m): (f64, f64)) -> (f64, f64) {
     }
 }
 
-fn moment(chord: &Chord, part: &Stretch, w: f64) -> Moment {
+fn moment(segment: &Segment, part: &Stretch, w: f64) -> Moment {
     let u = part.along(w);
     Moment {
         place: part.place(w),
-        amsl: chord.at(u).amsl,
-        t_s: chord.time_s(u),
-        item: chord.row,
+        amsl: segment.at(u).amsl,
+        t_s: segment.time_s(u),
+        item: segment.row,
     }
 }
 
-fn no_data(worst: &mut Worst, limit_m: f64, chord: &Chord, gap: NoData) {
+fn no_data(worst: &mut Worst, limit_m: f64, segment: &Segment, gap: NoData) {
     let at = Moment {
         place: gap.place,
-        amsl: chord.from.amsl,
-        t_s: chord.from_s,
-        item: chord.row,
+        amsl: segment.from.amsl,
+        t_s: segment.from_s,
+        item: segment.row,
     };
     worst.unknown(limit_m, gap.to_string(), at);
 }

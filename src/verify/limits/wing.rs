@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::mission::Contract;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
 
@@ -33,7 +33,7 @@ impl Contract<'_> {
             return Vec::new();
         };
         let (flight, frame) = (self.flight, &self.world.frame);
-        let (Some(first), Some(last)) = (flight.chords.first(), flight.chords.last()) else {
+        let (Some(first), Some(last)) = (flight.segments.first(), flight.segments.last()) else {
             return Vec::new();
         };
         let mut margins = Vec::new();
@@ -63,17 +63,23 @@ impl Contract<'_> {
     }
 
     /// The circles: none tighter than the vehicle turns at its speed, and the last no tighter than planned.
-    fn circles(&self, planned_m: f64, last: &Chord) -> Option<Margin> {
+    fn circles(&self, planned_m: f64, last: &Segment) -> Option<Margin> {
         let (flight, frame) = (self.flight, &self.world.frame);
-        let at = |chord: usize| flight.chords.get(chord).unwrap_or(last).moment(frame, 0.0);
+        let at = |segment: usize| {
+            flight
+                .segments
+                .get(segment)
+                .unwrap_or(last)
+                .moment(frame, 0.0)
+        };
         let mut radius = Worst::default();
         if let Some(circle) = flight.circle {
-            radius.at_least(circle.radius_m, planned_m, || at(circle.chord));
+            radius.at_least(circle.radius_m, planned_m, || at(circle.segment));
         }
         let mut is_too_tight = false;
         for round in &flight.rounds {
             is_too_tight |= round.radius_m < round.least_m;
-            radius.at_least(round.radius_m, round.least_m, || at(round.chord));
+            radius.at_least(round.radius_m, round.least_m, || at(round.segment));
         }
         let margin = radius.margin(self.id(), Limit::LoiterRadius, "m")?;
         let note = match is_too_tight {

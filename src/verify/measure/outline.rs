@@ -8,7 +8,7 @@
 use crate::geodesy::{EastNorth, LatLon, LocalFrame, on_earth_m};
 use crate::spec::Zone;
 
-use super::segment::{Chord, Stretch};
+use super::segment::{Segment, Stretch};
 
 /// Metres in a degree of latitude and of longitude, WGS84 (series in the NGA handbook, to a centimetre).
 pub(crate) fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
@@ -70,7 +70,7 @@ impl StretchBox {
 
 /// A straight part of a flight, or of a way back from it.
 pub(crate) struct Part<'a> {
-    pub(crate) chord: &'a Chord,
+    pub(crate) segment: &'a Segment,
     pub(crate) stretch: Stretch,
     pub(crate) around: StretchBox,
     /// What is flown may be nearer to anything by so much, metres.
@@ -78,9 +78,9 @@ pub(crate) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    pub(crate) fn new(chord: &'a Chord, stretch: Stretch, slack_m: f64) -> Self {
+    pub(crate) fn new(segment: &'a Segment, stretch: Stretch, slack_m: f64) -> Self {
         Self {
-            chord,
+            segment,
             around: StretchBox::around(&stretch),
             stretch,
             slack_m,

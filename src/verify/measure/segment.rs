@@ -26,7 +26,7 @@ pub(crate) enum Column {
 
 /// A straight motion at constant velocity from one point to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Chord {
+pub(crate) struct Segment {
     /// Row of the item the vehicle flies to.
     pub(crate) row: usize,
     pub(crate) phase: Phase,
@@ -35,19 +35,19 @@ pub(crate) struct Chord {
     pub(crate) to_s: f64,
     pub(crate) from: PlanPoint,
     pub(crate) to: PlanPoint,
-    /// The vehicle is never further than this from where the chord has it at the same time, metres.
+    /// The vehicle is never further than this from where the segment has it at the same time, metres.
     pub(crate) error_m: f64,
-    /// Greatest distance of the path from the line of the chord, metres; 0 unless it is curved.
+    /// Greatest distance of the path from the line of the segment, metres; 0 unless it is curved.
     pub(crate) bow_m: f64,
     /// Height above ground at both ends where the vehicle follows the terrain, metres.
     pub(crate) agl_m: Option<(f64, f64)>,
-    /// Altitude of the ground from which this chord climbs out, or to which it glides, if it
+    /// Altitude of the ground from which this segment climbs out, or to which it glides, if it
     /// does, metres: height above ground is judged against that on the way.
     pub(crate) slope_from_m: Option<f64>,
     /// The column that it is part of, if it is judged by what is below that.
     pub(crate) column: Option<Column>,
     /// Where a real vehicle may be further from it than `error_m`, by so much, metres: for the
-    /// separation, what is nearer to the ground is judged by unflown chords.
+    /// separation, what is nearer to the ground is judged by unflown segments.
     pub(crate) wide_m: f64,
     /// By how much the vehicle may be late here, for the stops behind it, seconds.
     pub(crate) late_s: f64,
@@ -57,7 +57,7 @@ pub(crate) struct Chord {
     pub(crate) flown: bool,
 }
 
-impl Chord {
+impl Segment {
     /// A straight line that is judged in space, not in time.
     pub(crate) fn unflown(
         (row, phase): (usize, Phase),
@@ -83,7 +83,7 @@ impl Chord {
         }
     }
 
-    /// The fraction of the chord at a time.
+    /// The fraction of the segment at a time.
     pub(crate) fn fraction_at(&self, t_s: f64) -> f64 {
         let lasts_s = self.to_s - self.from_s;
         if lasts_s > 0.0 {
@@ -93,7 +93,7 @@ impl Chord {
         }
     }
 
-    /// The point at a fraction of the chord.
+    /// The point at a fraction of the segment.
     pub(crate) fn at(&self, u: f64) -> PlanPoint {
         let mix = |a: f64, b: f64| a + (b - a) * u;
         PlanPoint::new(
@@ -103,7 +103,7 @@ impl Chord {
         )
     }
 
-    /// The time at a fraction of the chord, seconds.
+    /// The time at a fraction of the segment, seconds.
     pub(crate) fn time_s(&self, u: f64) -> f64 {
         if u > 0.0 {
             self.from_s + (self.to_s - self.from_s) * u
@@ -112,7 +112,7 @@ impl Chord {
         }
     }
 
-    /// The fraction of the chord at which it is nearest to a point.
+    /// The fraction of the segment at which it is nearest to a point.
     pub(crate) fn nearest(&self, point: PlanPoint) -> f64 {
         let (from, to) = (self.from, self.to);
         let along = [
@@ -134,7 +134,7 @@ impl Chord {
         }
     }
 
-    /// The moment at a fraction of the chord.
+    /// The moment at a fraction of the segment.
     pub(crate) fn moment(&self, frame: &LocalFrame, u: f64) -> Moment {
         let point = self.at(u);
         Moment {
@@ -146,13 +146,13 @@ impl Chord {
     }
 }
 
-/// A stretch is this near to the line of its chord, metres.
+/// A stretch is this near to the line of its segment, metres.
 pub(crate) const DEVIATION_M: f64 = 1e-3;
 
-/// A stretch of a chord that is straight in latitude and longitude to a millimetre.
+/// A stretch of a segment that is straight in latitude and longitude to a millimetre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stretch {
-    /// Fractions of the chord at the ends.
+    /// Fractions of the segment at the ends.
     pub(crate) u: (f64, f64),
     pub(crate) from: LatLon,
     pub(crate) to: LatLon,
@@ -176,7 +176,7 @@ impl Stretch {
         }
     }
 
-    /// The fraction of the chord at a fraction of the stretch.
+    /// The fraction of the segment at a fraction of the stretch.
     pub(crate) fn along(&self, w: f64) -> f64 {
         self.u.0 + (self.u.1 - self.u.0) * w
     }

@@ -7,7 +7,7 @@ use crate::world::{NoData, Terrain, TerrainGrid};
 use super::hills::Hills;
 use super::outline::metres_per_degree;
 use super::patch::{ERROR_M, Patch, SHARE};
-use super::segment::{Chord, Stretch};
+use super::segment::{Segment, Stretch};
 
 /// One bound for all hills together does where it lets parabolas be as long as this, metres.
 const GENTLE_M: f64 = 10.0;
@@ -74,18 +74,18 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// By how much the ground differs at most between a chord and the bow that is flown, metres.
+    /// By how much the ground differs at most between a segment and the bow that is flown, metres.
     pub(crate) fn bow_rise_m(
         &self,
-        chord: &Chord,
+        segment: &Segment,
         part: &Stretch,
         (patch, w): (&Patch, f64),
     ) -> f64 {
-        if chord.bow_m <= 0.0 {
+        if segment.bow_m <= 0.0 {
             return 0.0;
         }
         let line = (part.place(patch.w.0), part.place(patch.w.1));
-        chord.bow_m * self.steepest(line, chord.bow_m, part.place(w))
+        segment.bow_m * self.steepest(line, segment.bow_m, part.place(w))
     }
 
     /// The ground under the line between two places, straight in latitude and longitude.

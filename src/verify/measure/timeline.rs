@@ -1,4 +1,4 @@
-//! The chords of one vehicle in time, and the nearest that two vehicles come.
+//! The segments of one vehicle in time, and the nearest that two vehicles come.
 
 use std::borrow::Borrow;
 
@@ -8,9 +8,9 @@ use crate::numeric::approach::{self, Approach, closest_approach, closest_horizon
 use crate::path::{Departing, with_stops_s};
 use crate::spec::Span;
 
-use super::segment::Chord;
+use super::segment::Segment;
 
-/// A box in space and time around some chords.
+/// A box in space and time around some segments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     pub(crate) from_s: f64,
@@ -22,11 +22,11 @@ pub(crate) struct Bounds {
     pub(crate) early_s: f64,
 }
 
-/// The chords of one vehicle, its own or those of a flight, and a binary tree of boxes around them.
+/// The segments of one vehicle, its own or those of a flight, and a binary tree of boxes around them.
 #[derive(Clone, Debug)]
-pub(crate) struct Timeline<'a, C = &'a Chord> {
+pub(crate) struct Timeline<'a, C = &'a Segment> {
     pub(crate) of: Departing<'a>,
-    pub(crate) chords: Vec<C>,
+    pub(crate) segments: Vec<C>,
     /// Heap order: the children of `n` are `2 n + 1` and `2 n + 2`.
     bounds: Vec<Option<Bounds>>,
 }
@@ -49,27 +49,31 @@ pub(crate) struct Metric {
     pub(crate) shift_s: Span,
 }
 
-/// The nearest that two vehicles come: chord indices, times, distance less the errors.
+/// The nearest that two vehicles come: segment indices, times, distance less the errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
     pub(crate) distance_m: f64,
-    pub(crate) chords: (usize, usize),
+    pub(crate) segments: (usize, usize),
     pub(crate) times_s: (f64, f64),
 }
 
 impl<'a> Timeline<'a> {
-    pub(crate) fn new(of: Departing<'a>, chords: &'a [Chord]) -> Self {
-        let chords = chords.iter().filter(|chord| chord.flown).collect();
-        Self::of(of, chords)
+    pub(crate) fn new(of: Departing<'a>, segments: &'a [Segment]) -> Self {
+        let segments = segments.iter().filter(|segment| segment.flown).collect();
+        Self::of(of, segments)
     }
 }
 
-impl<'a, C: Borrow<Chord>> Timeline<'a, C> {
-    /// Of chords that are all flown.
-    pub(crate) fn of(of: Departing<'a>, chords: Vec<C>) -> Self {
-        let leaves = chords.len().next_power_of_two();
+impl<'a, C: Borrow<Segment>> Timeline<'a, C> {
+    /// Of segments that are all flown.
+    pub(crate) fn of(of: Departing<'a>, segments: Vec<C>) -> Self {
+        let leaves = segments.len().next_power_of_two();
         let mut bounds: Vec<Option<Bounds>> = vec![None; leaves - 1];
-        bounds.extend(chords.iter().map(|chord| Some(Bounds::of(chord.borrow()))));
+        bounds.extend(
+            segments
+                .iter()
+                .map(|segment| Some(Bounds::of(segment.borrow()))),
+        );
         bounds.resize(2 * leaves - 1, None);
         for node in (0..leaves - 1).rev() {
             bounds[node] = match (bounds[2 * node + 1], bounds[2 * node + 2]) {
@@ -77,7 +81,11 @@ impl<'a, C: Borrow<Chord>> Timeline<'a, C> {
                 (one, other) => one.or(other),
             };
         }
-        Self { of, chords, bounds }
+        Self {
+            of,
+            segments,
+            bounds,
+        }
     }
 
     fn leaf(&self, node: usize) -> Option<usize> {
@@ -92,16 +100,16 @@ impl<'a, C: Borrow<Chord>> Timeline<'a, C> {
 }
 
 impl Bounds {
-    fn of(chord: &Chord) -> Self {
-        let (from, to) = (position(chord, 0.0), position(chord, 1.0));
+    fn of(segment: &Segment) -> Self {
+        let (from, to) = (position(segment, 0.0), position(segment, 1.0));
         Self {
-            from_s: chord.from_s,
-            to_s: chord.to_s,
+            from_s: segment.from_s,
+            to_s: segment.to_s,
             low: from.inf(&to),
             high: from.sup(&to),
-            error_m: chord.error_m + chord.wide_m,
-            late_s: chord.late_s,
-            early_s: chord.early_s,
+            error_m: segment.error_m + segment.wide_m,
+            late_s: segment.late_s,
+            early_s: segment.early_s,
         }
     }
 
@@ -144,8 +152,8 @@ impl Bounds {
 }
 
 impl Metric {
-    /// The closest approach of two chords, less what the chords may be off.
-    fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
+    /// The closest approach of two segments, less what the segments may be off.
+    fn measure(&self, a: &Segment, b: &Segment) -> Option<Approach> {
         let error_m = a.error_m + a.wide_m + b.error_m + b.wide_m;
         let shift_s = with_stops_s(self.shift_s, a.late_s + b.early_s, b.late_s + a.early_s);
         let (middle_s, slack_s) = (
@@ -169,14 +177,14 @@ impl Metric {
     }
 }
 
-fn position(chord: &Chord, u: f64) -> Vector3<f64> {
-    let point = chord.at(u);
+fn position(segment: &Segment, u: f64) -> Vector3<f64> {
+    let point = segment.at(u);
     Vector3::new(point.at.east_m, point.at.north_m, point.amsl.0)
 }
 
-pub(crate) fn motion(chord: &Chord) -> approach::Segment {
-    let end = |t_s, u| (t_s, position(chord, u).into());
-    approach::Segment::between(end(chord.from_s, 0.0), end(chord.to_s, 1.0))
+pub(crate) fn motion(segment: &Segment) -> approach::Segment {
+    let end = |t_s, u| (t_s, position(segment, u).into());
+    approach::Segment::between(end(segment.from_s, 0.0), end(segment.to_s, 1.0))
 }
 
 /// The same motion at another time.
@@ -200,8 +208,8 @@ pub(crate) fn nearest(
 
 /// Whether two vehicles come nearer than `below_m`.
 pub(crate) fn come_nearer(
-    a: &Timeline<'_, Chord>,
-    b: &Timeline<'_, Chord>,
+    a: &Timeline<'_, Segment>,
+    b: &Timeline<'_, Segment>,
     metric: &Metric,
     below_m: f64,
 ) -> bool {
@@ -210,7 +218,7 @@ pub(crate) fn come_nearer(
 
 /// The nearest that two vehicles come, if nearer than `below_m`; one that is nearer than `enough_m`
 /// will do. A walk down both trees at once, nearer pairs of boxes first.
-fn nearest_until<C: Borrow<Chord>>(
+fn nearest_until<C: Borrow<Segment>>(
     a: &Timeline<'_, C>,
     b: &Timeline<'_, C>,
     metric: &Metric,
@@ -228,14 +236,14 @@ fn nearest_until<C: Borrow<Chord>>(
             continue;
         }
         if let (Some(i), Some(j)) = (a.leaf(x), b.leaf(y)) {
-            let Some(found) = metric.measure(a.chords[i].borrow(), b.chords[j].borrow()) else {
+            let Some(found) = metric.measure(a.segments[i].borrow(), b.segments[j].borrow()) else {
                 continue;
             };
             if found.value < limit_m {
                 limit_m = found.value;
                 best = Some(Nearest {
                     distance_m: found.value,
-                    chords: (i, j),
+                    segments: (i, j),
                     times_s: (found.t_s, found.u_s),
                 });
             }

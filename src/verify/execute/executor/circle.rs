@@ -16,7 +16,7 @@ use crate::verify::execute::flight::OnRotors;
 use crate::verify::execute::item::{Circling, Height, Until};
 use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 
 /// Nearer to the middle than this it begins its circle where it is, metres.
 const NEAR_M: f64 = 3.0;
@@ -24,7 +24,7 @@ const NEAR_M: f64 = 3.0;
 const SHARE: f64 = 0.5;
 /// `AC_CIRCLE_RADIUS_MAX`, metres.
 const MAX_RADIUS_M: f64 = 2000.0;
-/// Chords of a circle are never further off than this, metres.
+/// Segments of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
 
 /// A circle on rotors.
@@ -138,7 +138,7 @@ impl Pilot<'_> {
         let line = AltitudeLine::between(knot.agl_m.is_some(), (value_m, value_m));
         self.flight.follows_terrain |= knot.agl_m.is_some();
         let step_s = angle_rad(1) * orbit.radius_m.abs() / orbit.speed_mps;
-        let first = self.trajectory.chords.len();
+        let first = self.trajectory.segments.len();
         // It speeds up to that, loses the rest along the turns, and stops along the tangent where its position controller
         // can.
         self.trajectory.late_s += orbit.speed_mps / self.vehicle.accel_mps2;
@@ -163,11 +163,11 @@ impl Pilot<'_> {
         if turns > 0.0 {
             self.lay_turn(knot, (end, rest), 2.0 * stop_m / orbit.speed_mps, &line)?;
         }
-        for chord in &mut self.trajectory.chords[first..] {
-            chord.wide_m = chord.wide_m.max(aside_m);
+        for segment in &mut self.trajectory.segments[first..] {
+            segment.wide_m = segment.wide_m.max(aside_m);
         }
         self.flight.on_rotors.push(OnRotors {
-            chords: first..self.trajectory.chords.len(),
+            segments: first..self.trajectory.segments.len(),
             speed_mps: orbit.speed_mps,
         });
         let at = if turns > 0.0 { rest } else { knot.at };
@@ -196,12 +196,12 @@ impl Pilot<'_> {
         let from_s = self.trajectory.t_s;
         let times_s = (from_s, from_s + duration_s);
         let ends = (knot_at(knot, from), knot_at(knot, to));
-        let chord = Chord {
+        let segment = Segment {
             error_m: CHORD_ERROR_M,
             bow_m: CHORD_ERROR_M,
-            ..Chord::unflown((knot.row, knot.phase), times_s, ends)
+            ..Segment::unflown((knot.row, knot.phase), times_s, ends)
         };
-        self.trajectory.curve(chord, line)
+        self.trajectory.curve(segment, line)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
 use crate::verify::execute::item::Height;
-use crate::verify::measure::segment::{Chord, Column, Phase};
+use crate::verify::measure::segment::{Column, Phase, Segment};
 use crate::world::Terrain;
 
 /// Places nearer than this are one, metres.
@@ -118,7 +118,7 @@ impl Pilot<'_> {
         self.stop()?;
         self.phase = Phase::Finish;
         let top = self.here();
-        let first = self.trajectory.chords.len();
+        let first = self.trajectory.segments.len();
         self.touch_down(row)?;
         let drift_m = around_m + self.vehicle.landing_drift_m(course_rad);
         self.drift_down(row, (first, top), drift_m);
@@ -282,15 +282,16 @@ impl Pilot<'_> {
             for at in std::iter::once(from.at).chain(turned) {
                 for amsl in [Amsl(from.amsl_m), amsl] {
                     let ends = [at, home.at].map(|at| PlanPoint { at, amsl });
-                    let chord = Chord::unflown((row, self.phase), (t_s, t_s), (ends[0], ends[1]));
-                    self.trajectory.chords.push(chord);
+                    let segment =
+                        Segment::unflown((row, self.phase), (t_s, t_s), (ends[0], ends[1]));
+                    self.trajectory.segments.push(segment);
                 }
             }
         }
         self.circle(row, place, Height::Sea(amsl), radius_m)
     }
 
-    /// Repeats the chords from one on for ever, at no known time.
+    /// Repeats the segments from one on for ever, at no known time.
     pub(crate) fn repeat(&mut self, row: usize, first: usize) -> Result<(), Unknown> {
         if !self.airborne {
             return Unknown::err(row, "no takeoff");
@@ -300,22 +301,22 @@ impl Pilot<'_> {
             false => 0.0,
         };
         self.fly_to_last(last_mps)?;
-        let repeated = self.trajectory.chords.get(first..).unwrap_or_default();
+        let repeated = self.trajectory.segments.get(first..).unwrap_or_default();
         let points: Vec<PlanPoint> = repeated
             .iter()
-            .flat_map(|chord| [chord.from, chord.to])
+            .flat_map(|segment| [segment.from, segment.to])
             .collect();
         let middle = middle(&points).unwrap_or_else(|| self.last().point());
-        let reach_m = |chord: &Chord| {
-            let ends = [chord.from, chord.to].map(|end| end.distance_m(middle));
-            ends[0].max(ends[1]) + chord.error_m + chord.wide_m
+        let reach_m = |segment: &Segment| {
+            let ends = [segment.from, segment.to].map(|end| end.distance_m(middle));
+            ends[0].max(ends[1]) + segment.error_m + segment.wide_m
         };
         let reach_m = repeated.iter().map(reach_m).fold(0.0, f64::max);
-        self.flight.repetition = Some(self.trajectory.chords.len());
+        self.flight.repetition = Some(self.trajectory.segments.len());
         let around = (middle, middle);
         self.trajectory
             .straight((row, self.phase), around, f64::INFINITY, None);
-        if let Some(stay) = self.trajectory.chords.last_mut() {
+        if let Some(stay) = self.trajectory.segments.last_mut() {
             stay.error_m = reach_m;
         }
         self.ended = true;

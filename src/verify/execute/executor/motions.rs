@@ -37,7 +37,7 @@ impl Pilot<'_> {
             return;
         }
         self.flight.slopes.push(Slope {
-            chord: self.trajectory.chords.len(),
+            segment: self.trajectory.segments.len(),
             phase: self.phase,
             run_m: 0.0,
             rise_m,
@@ -143,7 +143,7 @@ impl Pilot<'_> {
             firsts: &firsts,
         };
         self.flight
-            .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
+            .take_stock(&legs, &self.trajectory.segments, self.trajectory.t_s);
         self.lay_altitude_offsets(&knots, &firsts)?;
         self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
         if let Some((hull, last)) = self.leave_hull(&knots, &firsts)? {
@@ -155,35 +155,35 @@ impl Pilot<'_> {
         if last_mps <= 0.0 {
             // What a stop takes longer it may have lost as it brakes for it.
             let late_s = stop_late_s(self.vehicle);
-            for chord in &mut self.trajectory.chords[braking] {
-                chord.late_s += late_s;
+            for segment in &mut self.trajectory.segments[braking] {
+                segment.late_s += late_s;
             }
             self.trajectory.late_s += late_s;
         }
         Ok(())
     }
 
-    /// Lays what is flown along legs. Returns the first chord of each leg, and those of the last piece.
+    /// Lays what is flown along legs. Returns the first segment of each leg, and those of the last piece.
     fn lay_legs(
         &mut self,
         run: &Run,
         knots: &[Knot],
         lines: &[AltitudeLine],
     ) -> Result<(Vec<usize>, Range<usize>), Unknown> {
-        let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
-        let mut last = self.trajectory.chords.len();
+        let mut firsts = vec![self.trajectory.segments.len(); lines.len()];
+        let mut last = self.trajectory.segments.len();
         for pieces in run.pieces.chunk_by(|one, other| one.leg == other.leg) {
             let leg = pieces[0].leg;
             let lasts_s = pieces.iter().map(legs::Piece::duration_s).sum();
             self.trajectory.late_s += leg_late_s(self.vehicle) + lasts_s * late_share(self.vehicle);
             self.count_on_sphere(&knots[leg..=leg + 1], lasts_s);
-            firsts[leg] = self.trajectory.chords.len();
+            firsts[leg] = self.trajectory.segments.len();
             for piece in pieces {
-                last = self.trajectory.chords.len();
+                last = self.trajectory.segments.len();
                 self.trajectory.lay_piece(piece, knots, lines)?;
             }
         }
-        Ok((firsts, last..self.trajectory.chords.len()))
+        Ok((firsts, last..self.trajectory.segments.len()))
     }
 
     /// By how much a leg makes the vehicle late or early, because the autopilot counts metres on a sphere: from
@@ -191,8 +191,8 @@ impl Pilot<'_> {
     fn count_on_sphere(&mut self, leg: &[Knot], lasts_s: f64) {
         let frame = self.trajectory.frame;
         let [from, to] = [&leg[0], &leg[1]].map(|knot| frame.from_plan(knot.at));
-        let (begins_s, first) = (self.trajectory.t_s, self.trajectory.chords.first());
-        let counts_s = first.map_or(begins_s, |chord| chord.from_s) + COUNTS_AFTER_S;
+        let (begins_s, first) = (self.trajectory.t_s, self.trajectory.segments.first());
+        let counts_s = first.map_or(begins_s, |segment| segment.from_s) + COUNTS_AFTER_S;
         let counted_s = (begins_s + lasts_s - counts_s).clamp(0.0, lasts_s);
         let late_s = counted_s * leg_late_share(self.vehicle, from, to);
         self.trajectory.late_s += late_s.max(0.0);
@@ -210,7 +210,7 @@ impl Pilot<'_> {
             return None;
         };
         let turn_rad = heading_rad(knots[0].at, knots[1].at) - course_rad;
-        let is_first = self.trajectory.chords.is_empty();
+        let is_first = self.trajectory.segments.is_empty();
         is_first.then(|| speed_mps * turn_rad.cos().max(0.0))
     }
 }

@@ -16,13 +16,13 @@ use crate::verify::execute::flight::{Cruise, Slope};
 use crate::verify::execute::item::{self, Height, Order};
 use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 
 /// Tangents that together are longer than this multiple of the distance are shortened (`SPLINE_FACTOR`).
 const TANGENTS: f64 = 4.0;
 /// Share of the acceleration along and across the curve (`TANGENTIAL_ACCEL_SCALER`).
 const SHARE: f64 = 0.5;
-/// Chords are never further from the curve, metres.
+/// Segments are never further from the curve, metres.
 const CHORD_ERROR_M: f64 = 0.02;
 /// A shorter curve is none, metres: ArduPilot stores 1e-7 degrees and centimetres.
 const MIN_M: f64 = 0.005;
@@ -76,7 +76,7 @@ impl Curve {
         }
     }
 
-    /// Into how many chords of equal time it is cut.
+    /// Into how many segments of equal time it is cut.
     fn count(&self) -> u32 {
         let bend = self
             .acceleration(0.0)
@@ -259,7 +259,7 @@ impl Pilot<'_> {
             .min(across_mps)
     }
 
-    /// Lays the chords of a spline.
+    /// Lays the segments of a spline.
     fn lay_spline(&mut self, ends: &Ends) -> Result<(), Unknown> {
         let accel_mps2 = SHARE * self.vehicle.accel_mps2;
         let count = ends.curve.count();
@@ -269,7 +269,7 @@ impl Pilot<'_> {
             false => 0.0,
         };
         let mut speed_mps = self.moving_mps.min(self.speed_limit_mps(ends, 0.0));
-        let first = self.trajectory.chords.len();
+        let first = self.trajectory.segments.len();
         let before_s = self.trajectory.late_s;
         for index in 1..=count {
             let time = |index: u32| f64::from(index) / f64::from(count);
@@ -287,30 +287,30 @@ impl Pilot<'_> {
             let error_m = CHORD_ERROR_M + accel_mps2 * duration_s * duration_s / 8.0;
             // What it takes longer it loses along the way.
             self.trajectory.late_s = before_s + time(index) * stop_late_s(self.vehicle);
-            self.lay_spline_chord(ends, (from, to), (duration_s, error_m))?;
+            self.lay_spline_segment(ends, (from, to), (duration_s, error_m))?;
             speed_mps = next_mps;
         }
         self.moving_mps = if last_mps > 0.0 { speed_mps } else { 0.0 };
         self.flight.cruises.push(Cruise {
-            chord: first,
+            segment: first,
             speed_mps: ends.to.speed_is_known.then_some(ends.to.speed_mps),
         });
-        let chords = self.trajectory.chords[first..].iter().zip(first..);
-        for (chord, index) in chords {
+        let segments = self.trajectory.segments[first..].iter().zip(first..);
+        for (segment, index) in segments {
             self.flight.slopes.push(Slope {
-                chord: index,
-                phase: chord.phase,
-                run_m: chord.from.at.distance_m(chord.to.at),
-                rise_m: chord.to.amsl.0 - chord.from.amsl.0,
+                segment: index,
+                phase: segment.phase,
+                run_m: segment.from.at.distance_m(segment.to.at),
+                rise_m: segment.to.amsl.0 - segment.from.amsl.0,
                 speed_mps: ends.to.speed_mps,
-                top_m: chord.to.amsl.0.max(chord.from.amsl.0),
+                top_m: segment.to.amsl.0.max(segment.from.amsl.0),
             });
         }
         self.flight.follows_terrain |= ends.follows;
         Ok(())
     }
 
-    fn lay_spline_chord(
+    fn lay_spline_segment(
         &mut self,
         ends: &Ends,
         (from, to): (Vector3<f64>, Vector3<f64>),
@@ -319,12 +319,14 @@ impl Pilot<'_> {
         let here = |point: Vector3<f64>| PlanPoint::new(point.x, point.y, Amsl(f64::NAN));
         let (from_s, knot) = (self.trajectory.t_s, &ends.to);
         let times_s = (from_s, from_s + duration_s);
-        let chord = Chord {
+        let segment = Segment {
             error_m,
             bow_m: CHORD_ERROR_M,
-            ..Chord::unflown((knot.row, knot.phase), times_s, (here(from), here(to)))
+            ..Segment::unflown((knot.row, knot.phase), times_s, (here(from), here(to)))
         };
-        self.trajectory
-            .curve(chord, &AltitudeLine::between(ends.follows, (from.z, to.z)))
+        self.trajectory.curve(
+            segment,
+            &AltitudeLine::between(ends.follows, (from.z, to.z)),
+        )
     }
 }

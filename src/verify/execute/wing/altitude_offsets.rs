@@ -9,7 +9,7 @@ use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 
 /// A lag of a descent is still there after a leg for this many times the lag.
 const LASTS: f64 = 2.0;
@@ -18,7 +18,7 @@ const TOLERANCE_M: f64 = 0.01;
 
 impl Pilot<'_> {
     /// Lays the legs also where the vehicle may be over or under their lines, to be judged in
-    /// space. `firsts` are the first chords of the legs.
+    /// space. `firsts` are the first segments of the legs.
     pub(crate) fn lay_altitude_offsets(
         &mut self,
         knots: &[Knot],
@@ -32,7 +32,7 @@ impl Pilot<'_> {
             }
         }
         if self.early_m > 0.0 {
-            let last = self.trajectory.chords.len();
+            let last = self.trajectory.segments.len();
             for ((leg, pair), when) in knots.windows(2).enumerate().zip(self.times_s(firsts)) {
                 self.lay_early(&pair[0], &pair[1], when)?;
                 let next = firsts.get(leg + 1).copied().unwrap_or(last);
@@ -60,16 +60,16 @@ impl Pilot<'_> {
             east_m: from.at.east_m + sloping * (to.at.east_m - from.at.east_m),
             north_m: from.at.north_m + sloping * (to.at.north_m - from.at.north_m),
         };
-        let chord = |from: EastNorth, to_at: EastNorth| {
-            Chord::unflown((to.row, to.phase), when, (there(from), there(to_at)))
+        let segment = |from: EastNorth, to_at: EastNorth| {
+            Segment::unflown((to.row, to.phase), when, (there(from), there(to_at)))
         };
         if sloping > 0.0 {
             let slope = line.steeper(sloping);
             self.trajectory
-                .lay_aside(chord(from.at, level_at), (0.0, sloping), &slope)?;
+                .lay_aside(segment(from.at, level_at), (0.0, sloping), &slope)?;
         }
         self.trajectory
-            .lay_aside(chord(level_at, to.at), (1.0, 1.0), &line)
+            .lay_aside(segment(level_at, to.at), (1.0, 1.0), &line)
     }
 
     /// A copter may be at the altitude of the end of a leg wherever it is on it: for the separation.
@@ -78,18 +78,18 @@ impl Pilot<'_> {
             return;
         }
         let rise_m = (leg[1].amsl_m - leg[0].amsl_m).abs();
-        for chord in &mut self.trajectory.chords[of_leg] {
-            chord.wide_m = chord.wide_m.max(rise_m);
+        for segment in &mut self.trajectory.segments[of_leg] {
+            segment.wide_m = segment.wide_m.max(rise_m);
         }
     }
 
     /// When each leg begins and ends, seconds.
     pub(crate) fn times_s(&self, firsts: &[usize]) -> Vec<(f64, f64)> {
-        let chords = &self.trajectory.chords;
+        let segments = &self.trajectory.segments;
         let end_s = self.trajectory.t_s;
         let begin_s = |leg: usize| {
-            let first = firsts.get(leg).and_then(|first| chords.get(*first));
-            first.map_or(end_s, |chord| chord.from_s)
+            let first = firsts.get(leg).and_then(|first| segments.get(*first));
+            first.map_or(end_s, |segment| segment.from_s)
         };
         (0..firsts.len())
             .map(|leg| (begin_s(leg), begin_s(leg + 1)))

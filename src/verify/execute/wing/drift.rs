@@ -9,7 +9,7 @@ use crate::path::along;
 use super::loiter::steps;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{EarlyTop, Hull};
-use crate::verify::measure::segment::{Chord, Column};
+use crate::verify::measure::segment::{Column, Segment};
 
 /// Directions in which a QuadPlane may be driven off on its rotors.
 const SIDES: u32 = 12;
@@ -45,9 +45,9 @@ impl Pilot<'_> {
                     at: along(top.at, course_rad, region.drift_m),
                     ..top
                 };
-                self.trajectory.chords.push(Chord {
+                self.trajectory.segments.push(Segment {
                     column: Some(Column::Ground),
-                    ..Chord::unflown(
+                    ..Segment::unflown(
                         (row, self.phase),
                         (end_s - climb_s, end_s),
                         (self.home, aside),
@@ -83,7 +83,7 @@ impl Pilot<'_> {
     }
 
     /// Lays a descent to every side too, as far as a vehicle may be driven off or come down beside its place, to be judged
-    /// in space; for the separation, widens the chords from one on.
+    /// in space; for the separation, widens the segments from one on.
     pub(crate) fn drift_down(
         &mut self,
         row: usize,
@@ -91,14 +91,17 @@ impl Pilot<'_> {
         drift_m: f64,
     ) {
         let down = self.here();
-        let begun = self.trajectory.chords.get(first);
-        let times_s = (begun.map_or(0.0, |chord| chord.from_s), self.trajectory.t_s);
+        let begun = self.trajectory.segments.get(first);
+        let times_s = (
+            begun.map_or(0.0, |segment| segment.from_s),
+            self.trajectory.t_s,
+        );
         if drift_m <= 0.0 {
             return;
         }
         self.flight.landing_drift_m = drift_m;
         self.widen_from(first, drift_m);
-        let disc = self.trajectory.chords.len();
+        let disc = self.trajectory.segments.len();
         self.lay_disc(row, top, drift_m, times_s);
         let rings = steps(drift_m);
         for ring in 1..=rings {
@@ -107,13 +110,13 @@ impl Pilot<'_> {
             for step in 0..count {
                 let at = along(down.at, TAU * f64::from(step) / f64::from(count), ring_m);
                 let ends = (PlanPoint { at, ..top }, PlanPoint { at, ..down });
-                let chord = Chord::unflown((row, self.phase), times_s, ends);
-                self.trajectory.chords.push(chord);
+                let segment = Segment::unflown((row, self.phase), times_s, ends);
+                self.trajectory.segments.push(segment);
             }
         }
         // As in the column itself no height is asked for.
-        for chord in &mut self.trajectory.chords[disc..] {
-            chord.column = Some(Column::Ground);
+        for segment in &mut self.trajectory.segments[disc..] {
+            segment.column = Some(Column::Ground);
         }
     }
 

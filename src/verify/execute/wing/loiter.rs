@@ -18,7 +18,7 @@ use crate::verify::execute::flight::{Hull, Rest};
 use crate::verify::execute::item::{Circling, Height, Order, Until};
 use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 
 /// Circles around one place that begin within this time of each other are one stay, seconds.
 const SAME_STAY_S: f64 = 60.0;
@@ -60,7 +60,7 @@ impl Pilot<'_> {
         let radius_m = self.flown_radius_m((row, place, height), circle.radius_m)?;
         let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
         let rim_m = radius_m.abs();
-        let (begin_s, first) = (self.trajectory.t_s, self.trajectory.chords.len());
+        let (begin_s, first) = (self.trajectory.t_s, self.trajectory.segments.len());
         self.orbit(row, middle, rim, radius_m)?;
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
@@ -73,9 +73,9 @@ impl Pilot<'_> {
         // It may leave from the side of its circle that is nearest to the next place.
         let sooner_s = orbit_s * reach_m / (TAU * rim_m);
         let lasts_s = (needed_s - sooner_s).max(0.0);
-        for chord in &mut self.trajectory.chords[first..] {
+        for segment in &mut self.trajectory.segments[first..] {
             // One orbit in space; in time it is somewhere on it.
-            (chord.flown, chord.from_s, chord.to_s) = (false, begin_s, begin_s + needed_s);
+            (segment.flown, segment.from_s, segment.to_s) = (false, begin_s, begin_s + needed_s);
         }
         self.trajectory.t_s = begin_s;
         let late_s =
@@ -86,7 +86,7 @@ impl Pilot<'_> {
         };
         self.note_circle(row, over, (begin_s, needed_s));
         self.trajectory.late_s += late_s;
-        let stay = self.trajectory.chords.len();
+        let stay = self.trajectory.segments.len();
         self.trajectory
             .straight((row, self.phase), (over, over), lasts_s, None);
         self.widen_from(stay, reach_m);
@@ -171,11 +171,11 @@ impl Pilot<'_> {
         rim_m + 2.0 * VehicleLimits::of(self.vehicle).turn_radius_m
     }
 
-    /// Widens the chords from one on by a distance, for the separation.
+    /// Widens the segments from one on by a distance, for the separation.
     pub(crate) fn widen_from(&mut self, first: usize, by_m: f64) {
-        for chord in &mut self.trajectory.chords[first..] {
-            if chord.flown {
-                chord.wide_m = chord.wide_m.max(by_m);
+        for segment in &mut self.trajectory.segments[first..] {
+            if segment.flown {
+                segment.wide_m = segment.wide_m.max(by_m);
             }
         }
     }
@@ -194,8 +194,8 @@ impl Pilot<'_> {
                 at: along(line, FRAC_PI_2, half_m),
                 ..middle
             });
-            let chord = Chord::unflown((row, self.phase), times_s, (ends[0], ends[1]));
-            self.trajectory.chords.push(chord);
+            let segment = Segment::unflown((row, self.phase), times_s, (ends[0], ends[1]));
+            self.trajectory.segments.push(segment);
         }
     }
 
@@ -241,8 +241,8 @@ impl Pilot<'_> {
                 };
                 for step in 0..count {
                     let ends = (at(step), at(step + 1));
-                    let chord = Chord::unflown((row, self.phase), times_s, ends);
-                    self.trajectory.chords.push(chord);
+                    let segment = Segment::unflown((row, self.phase), times_s, ends);
+                    self.trajectory.segments.push(segment);
                 }
             }
         }
@@ -267,8 +267,8 @@ impl Pilot<'_> {
                 amsl: Amsl(from_m),
                 ..top
             };
-            let chord = Chord::unflown((row, self.phase), times_s, (foot, top));
-            self.trajectory.chords.push(chord);
+            let segment = Segment::unflown((row, self.phase), times_s, (foot, top));
+            self.trajectory.segments.push(segment);
         }
         let foot = PlanPoint {
             amsl: Amsl(from_m),
@@ -278,7 +278,7 @@ impl Pilot<'_> {
     }
 
     /// Lays the hull of a circle and the first leg from it, and of further ones that begin within the
-    /// circle, to be judged in space; for the separation, widens the chords of those legs by as much.
+    /// circle, to be judged in space; for the separation, widens the segments of those legs by as much.
     ///
     /// What is left, and the last of those legs.
     pub(crate) fn leave_hull(
@@ -290,7 +290,7 @@ impl Pilot<'_> {
             return Ok(None);
         };
         let mut last = 0;
-        let flown = self.trajectory.chords.len();
+        let flown = self.trajectory.segments.len();
         let lines = self.leg_lines(knots, firsts)?;
         for (leg, (pair, lines)) in knots.windows(2).zip(&lines).enumerate() {
             let is_within = pair[0].at.distance_m(hull.middle.at) < hull.reach_m;
@@ -300,8 +300,8 @@ impl Pilot<'_> {
             last = leg;
             let first = firsts.get(leg).copied().unwrap_or(flown);
             let end = firsts.get(leg + 1).copied().unwrap_or(flown);
-            for chord in &mut self.trajectory.chords[first.min(end)..end] {
-                chord.wide_m = chord.wide_m.max(hull.reach_m);
+            for segment in &mut self.trajectory.segments[first.min(end)..end] {
+                segment.wide_m = segment.wide_m.max(hull.reach_m);
             }
             self.lay_hull(&hull, &pair[1]);
             for line in lines {
@@ -323,8 +323,8 @@ impl Pilot<'_> {
         let leg = Line::new(from.at, to.at);
         let mut lay = |ends: [EastNorth; 2], shares: (f64, f64)| {
             let [back, on] = ends.map(|at| PlanPoint { at, ..hull.middle });
-            let chord = Chord::unflown((to.row, to.phase), times_s, (back, on));
-            self.trajectory.lay_aside(chord, shares, line)
+            let segment = Segment::unflown((to.row, to.phase), times_s, (back, on));
+            self.trajectory.lay_aside(segment, shares, line)
         };
         for at in rim(hull, to.at) {
             let gone = leg.share(at);
@@ -348,16 +348,16 @@ impl Pilot<'_> {
         let over_m = self.circle_level_m();
         for at in rim(hull, to.at) {
             let back = PlanPoint { at, ..hull.middle };
-            let chord = Chord::unflown((to.row, to.phase), times_s, (back, to.point()));
-            self.trajectory.chords.push(chord);
+            let segment = Segment::unflown((to.row, to.phase), times_s, (back, to.point()));
+            self.trajectory.segments.push(segment);
             let late = PlanPoint {
                 at: to.at,
                 ..back.raised(over_m)
             };
             if to.amsl_m < late.amsl.0 {
                 let ends = (back.raised(over_m), late);
-                let chord = Chord::unflown((to.row, to.phase), times_s, ends);
-                self.trajectory.chords.push(chord);
+                let segment = Segment::unflown((to.row, to.phase), times_s, ends);
+                self.trajectory.segments.push(segment);
             }
         }
     }

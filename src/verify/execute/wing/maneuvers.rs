@@ -15,7 +15,7 @@ use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark, Round};
 use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed, turn_radius_at_m};
 use crate::verify::limits::space::SLOPE_SHARE;
-use crate::verify::measure::segment::{Chord, Column, Phase};
+use crate::verify::measure::segment::{Column, Phase, Segment};
 use crate::world::Terrain;
 
 /// A plane finds the ground within this of the altitude that it lands at: it flares by its own
@@ -24,7 +24,7 @@ const LANDING_M: f64 = 10.0;
 /// A climb-out and a glide are slopes so far above the ground at least, whatever `min_agl`, metres: with the lag of
 /// their climb under them they would begin below the ground.
 const LEAST_SLOPE_M: f64 = 20.0;
-/// Chords of a circle are never further off than this, metres.
+/// Segments of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
 
 impl Pilot<'_> {
@@ -113,8 +113,8 @@ impl Pilot<'_> {
         };
         let t_s = self.trajectory.t_s;
         let ends = (over(early), over(top.at));
-        let chord = Chord::unflown((top.row, self.phase), (t_s, t_s), ends);
-        self.trajectory.chords.push(chord);
+        let segment = Segment::unflown((top.row, self.phase), (t_s, t_s), ends);
+        self.trajectory.segments.push(segment);
         let climb_s = (top.amsl_m - lift_off.amsl_m) / self.vehicle.climb_mps;
         let early_top = EarlyTop {
             point: PlanPoint {
@@ -141,9 +141,9 @@ impl Pilot<'_> {
             // Where no height above ground is asked for, the first part has no length.
             if from.point() != to.point() {
                 let ends = (from.point(), to.point());
-                self.trajectory.chords.push(Chord {
+                self.trajectory.segments.push(Segment {
                     slope_from_m: to.slope_from_m,
-                    ..Chord::unflown((to.row, self.phase), (t_s, t_s), ends)
+                    ..Segment::unflown((to.row, self.phase), (t_s, t_s), ends)
                 });
             }
             from = to;
@@ -263,7 +263,7 @@ impl Pilot<'_> {
         let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
         let rim_m = radius_m.abs();
         let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));
-        let (first, wide_m) = (self.trajectory.chords.len(), self.circle_wide_m());
+        let (first, wide_m) = (self.trajectory.segments.len(), self.circle_wide_m());
         self.orbit(row, middle, rim, radius_m)?;
         let over = PlanPoint {
             at: middle,
@@ -281,12 +281,12 @@ impl Pilot<'_> {
         });
         self.flight.circle = Some(Circle {
             radius_m: rim_m,
-            chord: self.trajectory.chords.len(),
+            segment: self.trajectory.segments.len(),
         });
         // From now on it is somewhere on the circle.
         self.trajectory
             .straight((row, self.phase), (over, over), f64::INFINITY, None);
-        if let Some(stay) = self.trajectory.chords.last_mut() {
+        if let Some(stay) = self.trajectory.segments.last_mut() {
             stay.error_m = rim_m + wide_m;
         }
         self.ended = true;
@@ -328,7 +328,7 @@ impl Pilot<'_> {
             within = Some(self.wide_reach_m(rim_m));
             along(middle, outward_rad, rim_m)
         };
-        let first = self.trajectory.chords.len();
+        let first = self.trajectory.segments.len();
         let turned = self.turned_towards(middle)?;
         let rim = self.knot(row, rim_at, amsl_m, None);
         self.append(rim)?;
@@ -362,8 +362,8 @@ impl Pilot<'_> {
             at: middle,
             amsl: Amsl(amsl_m),
         };
-        let chord = Chord::unflown((row, self.phase), (t_s, t_s), (from.point(), to));
-        self.trajectory.chords.push(chord);
+        let segment = Segment::unflown((row, self.phase), (t_s, t_s), (from.point(), to));
+        self.trajectory.segments.push(segment);
         let level_m = self.circle_level_m();
         if level_m <= 0.0 {
             return;
@@ -371,8 +371,8 @@ impl Pilot<'_> {
         let off_m = level_m + self.climbs_late_m(&from, middle, (amsl_m, 0.0)).abs();
         for up_m in [-off_m, off_m] {
             let ends = (from.point().raised(up_m), to.raised(up_m));
-            let chord = Chord::unflown((row, self.phase), (t_s, t_s), ends);
-            self.trajectory.chords.push(chord);
+            let segment = Segment::unflown((row, self.phase), (t_s, t_s), ends);
+            self.trajectory.segments.push(segment);
         }
     }
 
@@ -401,7 +401,7 @@ impl Pilot<'_> {
     ) -> Result<(), Unknown> {
         let rim_m = radius_m.abs();
         self.flight.rounds.push(Round {
-            chord: self.trajectory.chords.len(),
+            segment: self.trajectory.segments.len(),
             radius_m: rim_m,
             least_m: turn_radius_at_m(self.vehicle, rim.speed_mps, Amsl(rim.amsl_m)),
         });
@@ -431,9 +431,9 @@ impl Pilot<'_> {
             let step_s = step_m / ground_speed(self.vehicle, &rim, Amsl(rim.amsl_m), course_rad)?;
             self.trajectory
                 .straight((row, self.phase), ends, step_s, None);
-            if let Some(chord) = self.trajectory.chords.last_mut() {
-                chord.error_m = CHORD_ERROR_M;
-                chord.bow_m = CHORD_ERROR_M;
+            if let Some(segment) = self.trajectory.segments.last_mut() {
+                segment.error_m = CHORD_ERROR_M;
+                segment.bow_m = CHORD_ERROR_M;
             }
         }
         Ok(())

@@ -14,14 +14,14 @@ use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
 use crate::verify::execute::flight::{EarlyTop, Hull};
 use crate::verify::execute::legs::{Knot, ground_speeds};
 use crate::verify::execute::trajectory::AltitudeLine;
-use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::segment::{Phase, Segment};
 
 /// Ways nearer to their legs than this are not looked at, metres.
 const TOLERANCE_M: f64 = 0.5;
 /// Steps of the path from one judged point to the next, and from one straight way off it to the next.
 const EVERY: usize = 10;
 const EVERY_STRAIGHT: usize = 2;
-/// A way is taken to be as far from a chord as it is within this of its time, seconds.
+/// A way is taken to be as far from a segment as it is within this of its time, seconds.
 const WITHIN_S: f64 = 2.0;
 /// Legs after the place at the end of a hull that a wing swings beside.
 const ARRIVAL_LEGS: usize = 3;
@@ -34,7 +34,7 @@ const ARRIVAL_RAD: f64 = 10.0 * PI / 180.0;
 
 impl Pilot<'_> {
     /// Lays the path that a wing flies off its legs, to be judged in space. For the
-    /// separation, widens the chords of the legs by its distance and adds the time it takes longer.
+    /// separation, widens the segments of the legs by its distance and adds the time it takes longer.
     pub(crate) fn lay_overshoot(
         &mut self,
         knots: &[Knot],
@@ -62,7 +62,7 @@ impl Pilot<'_> {
     }
 
     /// Lays the way on from a place within a hull or at its end, to be judged in space, for a wing that comes
-    /// to it from either side of the hull; for the separation, widens the chords of the legs by as much.
+    /// to it from either side of the hull; for the separation, widens the segments of the legs by as much.
     pub(crate) fn lay_arrivals(
         &mut self,
         (hull, leg): (&Hull, usize),
@@ -99,15 +99,15 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    /// Widens the chords of legs, whose first ones are given, by the distance of a way from them.
+    /// Widens the segments of legs, whose first ones are given, by the distance of a way from them.
     fn widen_by(&mut self, firsts: &[usize], fixes: &[Fix]) {
         for fix in fixes {
             let first = firsts[fix.leg];
             let next = firsts.get(fix.leg + 1).copied();
-            let next = next.unwrap_or(self.trajectory.chords.len());
-            for chord in &mut self.trajectory.chords[first.min(next)..next] {
-                if chord.flown {
-                    chord.wide_m = chord.wide_m.max(fix.cross_track_m);
+            let next = next.unwrap_or(self.trajectory.segments.len());
+            for segment in &mut self.trajectory.segments[first.min(next)..next] {
+                if segment.flown {
+                    segment.wide_m = segment.wide_m.max(fix.cross_track_m);
                 }
             }
         }
@@ -167,16 +167,16 @@ impl Pilot<'_> {
                 amsl: end.point().amsl,
             };
             let straight_m = chord_error_m(passed);
-            let chord = Chord {
+            let segment = Segment {
                 bow_m: straight_m,
                 error_m: straight_m,
                 slope_from_m: end.slope_from_m,
-                ..Chord::unflown((end.row, end.phase), times[leg], (at(from), at(to)))
+                ..Segment::unflown((end.row, end.phase), times[leg], (at(from), at(to)))
             };
             let share = |fix: &Fix| share(begin.at, end.at, fix.at);
             for line in &lines[leg] {
                 self.trajectory
-                    .lay_aside(chord, (share(from), share(to)), line)?;
+                    .lay_aside(segment, (share(from), share(to)), line)?;
             }
         }
         Ok(())
@@ -208,11 +208,11 @@ impl Pilot<'_> {
         let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
         let aside_m = top.map_or(0.0, |top| cross_track_m(early.point.at, next.at, top.at));
         let first = firsts.first().copied().unwrap_or_default();
-        for chord in &mut self.trajectory.chords[first..] {
-            if chord.phase == Phase::Join {
-                chord.wide_m = ((1.0 - early_share) * rise_m).max(overshoot_m).max(off_m);
-            } else if chord.row == next.row {
-                chord.wide_m = aside_m + off_m;
+        for segment in &mut self.trajectory.segments[first..] {
+            if segment.phase == Phase::Join {
+                segment.wide_m = ((1.0 - early_share) * rise_m).max(overshoot_m).max(off_m);
+            } else if segment.row == next.row {
+                segment.wide_m = aside_m + off_m;
             }
         }
         let later = top.into_iter().flat_map(|top| {
@@ -226,12 +226,13 @@ impl Pilot<'_> {
         let tops = std::iter::once(early.point).chain(later);
         let tops = tops.flat_map(|point| carried_points(EarlyTop { point, ..early }));
         for point in tops {
-            let chord = Chord::unflown((next.row, next.phase), (t_s, t_s), (point, next.point()));
-            self.trajectory.chords.push(chord);
+            let segment =
+                Segment::unflown((next.row, next.phase), (t_s, t_s), (point, next.point()));
+            self.trajectory.segments.push(segment);
         }
     }
 
-    /// Widens the chords of the legs by the distance of the path from them, and makes them late by
+    /// Widens the segments of the legs by the distance of the path from them, and makes them late by
     /// the time that the path takes longer.
     fn widen(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) {
         let mut starts_s = None;
@@ -239,10 +240,12 @@ impl Pilot<'_> {
         for (leg, pair) in knots.windows(2).enumerate() {
             let first = firsts[leg];
             let end = firsts.get(leg + 1).copied();
-            let end = end.unwrap_or(self.trajectory.chords.len());
+            let end = end.unwrap_or(self.trajectory.segments.len());
             let half = |at: EastNorth| share(pair[0].at, pair[1].at, at) >= 0.5;
-            let chords = &self.trajectory.chords[first.min(end)..end];
-            let planned = chords.iter().find(|chord| chord.flown && half(chord.to.at));
+            let segments = &self.trajectory.segments[first.min(end)..end];
+            let planned = segments
+                .iter()
+                .find(|segment| segment.flown && half(segment.to.at));
             let mut of_leg = fixes.iter().filter(|fix| fix.leg == leg);
             let flown = of_leg
                 .clone()
@@ -257,19 +260,19 @@ impl Pilot<'_> {
             let starts_s = *starts_s.get_or_insert(shift_s);
             late_s = late_s.max(starts_s - shift_s);
             let late_at_s = before_s + late_s;
-            for chord in &mut self.trajectory.chords[first..end] {
-                if !chord.flown {
+            for segment in &mut self.trajectory.segments[first..end] {
+                if !segment.flown {
                     continue;
                 }
                 let within = (
-                    chord.from_s - shift_s - WITHIN_S,
-                    chord.to_s - shift_s + WITHIN_S,
+                    segment.from_s - shift_s - WITHIN_S,
+                    segment.to_s - shift_s + WITHIN_S,
                 );
                 let near = fixes[step(within.0).min(fixes.len())..].iter();
                 let near = near.take_while(|fix| fix.t_s <= within.1);
                 let wide_m = near.map(|fix| fix.cross_track_m).fold(0.0, f64::max);
-                chord.wide_m = chord.wide_m.max(wide_m);
-                chord.late_s = chord.late_s.max(late_at_s);
+                segment.wide_m = segment.wide_m.max(wide_m);
+                segment.late_s = segment.late_s.max(late_at_s);
             }
         }
         self.trajectory.late_s = before_s + late_s;
@@ -294,10 +297,10 @@ pub(super) fn share(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
     (along / (east_m * east_m + north_m * north_m)).clamp(0.0, 1.0)
 }
 
-/// Where on a chord its leg is half over.
-fn halfway(chord: &Chord, leg: &[Knot]) -> f64 {
+/// Where on a segment its leg is half over.
+fn halfway(segment: &Segment, leg: &[Knot]) -> f64 {
     let at = |place: EastNorth| share(leg[0].at, leg[1].at, place);
-    let (from, to) = (at(chord.from.at), at(chord.to.at));
+    let (from, to) = (at(segment.from.at), at(segment.to.at));
     if to > from {
         ((0.5 - from) / (to - from)).clamp(0.0, 1.0)
     } else {

@@ -314,10 +314,10 @@ impl Contract<'_> {
     /// How long a wing flies past a stop until its autopilot turns to the leg after the next
     /// waypoint: as early as its turn radius before that, seconds.
     fn until_next_s(&self, pass: &Rest) -> f64 {
-        let mut chords = self.flight.chords.iter();
-        let last = chords.rfind(|chord| chord.flown && chord.row == pass.rows.1);
+        let mut segments = self.flight.segments.iter();
+        let last = segments.rfind(|segment| segment.flown && segment.row == pass.rows.1);
         let early_s = mission::turn_radius_m(self.vehicle) / self.vehicle.speed_mps;
-        last.map_or(0.0, |chord| chord.to_s - pass.from_s - early_s)
+        last.map_or(0.0, |segment| segment.to_s - pass.from_s - early_s)
     }
 
     /// Whether an item does an action as the autopilot reads it.

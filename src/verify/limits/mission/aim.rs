@@ -3,7 +3,7 @@
 use super::Contract;
 use crate::autopilot::Autopilot;
 use crate::mission::{Item, command, command_name};
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 
 /// Angles may differ from those of a camera that looks straight down by this, degrees.
 const ANGLE_DEG: f64 = 5.0;
@@ -117,12 +117,12 @@ impl Contract<'_> {
 
     /// Index of the item that is why the camera does not look straight down, with its long
     /// side across, on a motion.
-    pub(super) fn turned_by(&self, aim: &Aim, chord: &Chord) -> Option<usize> {
+    pub(super) fn turned_by(&self, aim: &Aim, segment: &Segment) -> Option<usize> {
         let nose = aim.nose.filter(|&index| {
             let [heading_deg, _, _, relative] = self.mission.items[index].params.map(f64::from);
             let [east_m, north_m] = [
-                chord.to.at.east_m - chord.from.at.east_m,
-                chord.to.at.north_m - chord.from.at.north_m,
+                segment.to.at.east_m - segment.from.at.east_m,
+                segment.to.at.north_m - segment.from.at.north_m,
             ];
             let course_deg = east_m.atan2(north_m).to_degrees();
             relative != 0.0 || !is_along(heading_deg - course_deg)

@@ -7,7 +7,7 @@ use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::{self, command};
 use crate::spec::{MissionSpec, Sensor, Sweep, SweepShape, Task};
 use crate::tasks::{Cell, Cells, Gap, Pass, SweepLine, far_apart, gaps, lay_out, seen_by};
-use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::segment::{Phase, Segment};
 use crate::verify::{Limit, Margin, Moment, Requirement};
 use crate::world::World;
 
@@ -132,7 +132,7 @@ fn named(gaps: &[Gap], world: &World) -> Option<String> {
 /// A motion before another one.
 #[derive(Clone, Copy, Default)]
 struct Before<'a> {
-    chord: Option<&'a Chord>,
+    segment: Option<&'a Segment>,
     /// Index of the item that set the distance of pictures.
     switch: Option<usize>,
     /// Whether the ground is seen on it.
@@ -148,21 +148,21 @@ impl Contract<'_> {
         let mut passes: Vec<Pass> = Vec::new();
         let mut before = Before::default();
         let (mut aim, mut first_turned) = (Aim::default(), None);
-        let flown = |chord: &&Chord| {
-            let length_m = chord.from.at.distance_m(chord.to.at);
-            chord.flown && chord.phase == Phase::Route && length_m > MIN_M
+        let flown = |segment: &&Segment| {
+            let length_m = segment.from.at.distance_m(segment.to.at);
+            segment.flown && segment.phase == Phase::Route && length_m > MIN_M
         };
-        for chord in self.flight.chords.iter().filter(flown) {
-            let switch = self.switch_before(chord.row);
+        for segment in self.flight.segments.iter().filter(flown) {
+            let switch = self.switch_before(segment.row);
             let trigger_m = switch.and_then(|item| self.trigger_m(item));
-            aim = self.aim_on(aim, chord.row);
+            aim = self.aim_on(aim, segment.row);
             let would_see = sensor.along.is_none() || trigger_m.is_some();
-            let turned = self.turned_by(&aim, chord).filter(|_| would_see);
+            let turned = self.turned_by(&aim, segment).filter(|_| would_see);
             first_turned = first_turned.or(turned);
             let is_on = would_see && turned.is_none();
-            let is_first = before.chord.is_none() || before.switch != switch;
-            let goes_on = |last| !is_first && before.is_on && !self.rests_between(last, chord);
-            let is_same = before.chord.is_some_and(goes_on);
+            let is_first = before.segment.is_none() || before.switch != switch;
+            let goes_on = |last| !is_first && before.is_on && !self.rests_between(last, segment);
+            let is_same = before.segment.is_some_and(goes_on);
             let takes_one = is_first && switch.is_some_and(|item| self.takes_one(item));
             // The picture with which a distance is ended or changed.
             let ended = passes
@@ -179,10 +179,10 @@ impl Contract<'_> {
                 });
             }
             if let (true, Some(pass)) = (is_on, passes.last_mut()) {
-                pass.legs.push((chord.from, chord.to));
+                pass.legs.push((segment.from, segment.to));
             }
             before = Before {
-                chord: Some(chord),
+                segment: Some(segment),
                 switch,
                 is_on,
                 takes_pictures: is_on && trigger_m.is_some(),
@@ -214,7 +214,7 @@ impl Contract<'_> {
     }
 
     /// Whether the vehicle rests between two motions.
-    fn rests_between(&self, before: &Chord, after: &Chord) -> bool {
+    fn rests_between(&self, before: &Segment, after: &Segment) -> bool {
         let is_between = |from_s: f64| (before.to_s - 1e-6..=after.from_s + 1e-6).contains(&from_s);
         after.from_s > before.to_s + 1e-6
             || self.flight.rests.iter().any(|rest| is_between(rest.from_s))
@@ -296,8 +296,8 @@ fn flown(
 impl Contract<'_> {
     /// How many legs of a line are flown, each after the one before it.
     fn legs(&self, line: &[EastNorth], near: &Near) -> usize {
-        let flown = |chord: &&Chord| chord.flown && chord.to_s.is_finite();
-        let chords: Vec<&Chord> = self.flight.chords.iter().filter(flown).collect();
+        let flown = |segment: &&Segment| segment.flown && segment.to_s.is_finite();
+        let segments: Vec<&Segment> = self.flight.segments.iter().filter(flown).collect();
         let mut cursor = (0, 0.0);
         for (number, leg) in line.windows(2).enumerate() {
             let pieces = (leg[0].distance_m(leg[1]) / EVERY_M).ceil().max(1.0);
@@ -308,7 +308,7 @@ impl Contract<'_> {
                     east_m: leg[0].east_m + share * (leg[1].east_m - leg[0].east_m),
                     north_m: leg[0].north_m + share * (leg[1].north_m - leg[0].north_m),
                 };
-                match self.passed(&chords, cursor, at, near) {
+                match self.passed(&segments, cursor, at, near) {
                     Some(next) => cursor = next,
                     None => return number,
                 }
@@ -321,7 +321,7 @@ impl Contract<'_> {
     /// The first motion from a cursor on that passes a place, and where on it.
     fn passed(
         &self,
-        chords: &[&Chord],
+        segments: &[&Segment],
         (first, from): (usize, f64),
         at: EastNorth,
         (near_m, above_m): &Near,
@@ -333,16 +333,16 @@ impl Contract<'_> {
                 .height(self.world.frame.from_plan(point.at));
             ground.map_or(f64::INFINITY, |ground| point.amsl.above_ground(ground).0)
         };
-        (first..chords.len()).find_map(|index| {
-            let chord = chords[index];
+        (first..segments.len()).find_map(|index| {
+            let segment = segments[index];
             let least = if index == first { from } else { 0.0 };
-            let (from, to) = (chord.from.at, chord.to.at);
+            let (from, to) = (segment.from.at, segment.to.at);
             let square = (to.east_m - from.east_m).powi(2) + (to.north_m - from.north_m).powi(2);
             let along = (at.east_m - from.east_m) * (to.east_m - from.east_m)
                 + (at.north_m - from.north_m) * (to.north_m - from.north_m);
             let share = if square > 0.0 { along / square } else { 0.0 };
             let share = share.clamp(least, 1.0);
-            let point = chord.at(share);
+            let point = segment.at(share);
             let is_near = point.at.distance_m(at) <= *near_m && above_m.contains(&height_m(point));
             is_near.then_some((index, share))
         })

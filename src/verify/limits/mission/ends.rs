@@ -5,7 +5,7 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{Airframe, Finish};
 use crate::verify::execute::flight::{End, Mark};
 use crate::verify::limits::fence::Fence;
-use crate::verify::measure::segment::{Chord, Column, Phase};
+use crate::verify::measure::segment::{Column, Phase, Segment};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
 use crate::world::Terrain;
@@ -67,19 +67,19 @@ impl Contract<'_> {
         }
         let home_m = f64::from(self.mission.home.amsl_m);
         let mut worst = Worst::default();
-        let chords = self.flight.chords.iter();
+        let segments = self.flight.segments.iter();
         // Columns, climb-outs and glides begin or end at home; heights above the ground need none.
-        let is_route = |chord: &&Chord| {
-            (chord.phase == Phase::Route || !self.vehicle.airframe.has_wing())
-                && chord.flown
-                && chord.column != Some(Column::Ground)
-                && chord.agl_m.is_none()
-                && chord.slope_from_m.is_none()
+        let is_route = |segment: &&Segment| {
+            (segment.phase == Phase::Route || !self.vehicle.airframe.has_wing())
+                && segment.flown
+                && segment.column != Some(Column::Ground)
+                && segment.agl_m.is_none()
+                && segment.slope_from_m.is_none()
         };
-        for chord in chords.filter(is_route) {
+        for segment in segments.filter(is_route) {
             for u in [0.0, 1.0] {
-                let above_m = chord.at(u).amsl.0 - home_m;
-                worst.at_least(above_m, 0.0, || chord.moment(&self.world.frame, u));
+                let above_m = segment.at(u).amsl.0 - home_m;
+                worst.at_least(above_m, 0.0, || segment.moment(&self.world.frame, u));
             }
         }
         // A corner may be cut short of its place, and the vehicle may come to it all the same.
@@ -171,7 +171,7 @@ impl Contract<'_> {
     /// Lands, or stays, where the spec says.
     pub(crate) fn finish(&self) -> Option<Margin> {
         let end = self.flight.end?;
-        let last = self.flight.chords.last()?;
+        let last = self.flight.segments.last()?;
         let (station, lands) = match self.vehicle.finish {
             Finish::Land => (self.stations.landing, true),
             Finish::Return => (self.stations.home.at, true),

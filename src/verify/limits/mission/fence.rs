@@ -13,7 +13,7 @@ use crate::mission::{self, FENCE_REACH_S, Item, command};
 use crate::numeric::digits::float32;
 use crate::verify::limits::fence::{Fence, boundaries, covers, holds};
 use crate::verify::measure::outline::Part;
-use crate::verify::measure::segment::{Chord, Stretch, stretches};
+use crate::verify::measure::segment::{Segment, Stretch, stretches};
 use crate::verify::measure::worst::{Worst, nearest_first};
 use crate::verify::{Limit, Margin, Moment, Requirement};
 
@@ -46,10 +46,16 @@ impl Contract<'_> {
         let mut worst = Worst::default();
         for (index, item) in self.mission.items.iter().enumerate() {
             let row = index + 1;
-            let chord = self.flight.chords.iter().rfind(|chord| chord.row == row);
-            if let Some(chord) = chord.filter(|_| item.command == command::NAV_WAYPOINT) {
+            let segment = self
+                .flight
+                .segments
+                .iter()
+                .rfind(|segment| segment.row == row);
+            if let Some(segment) = segment.filter(|_| item.command == command::NAV_WAYPOINT) {
                 let radius_m = mission::acceptance_m(self.mission, row);
-                worst.at_most(radius_m, margin_m, || chord.moment(&self.world.frame, 1.0));
+                worst.at_most(radius_m, margin_m, || {
+                    segment.moment(&self.world.frame, 1.0)
+                });
             }
         }
         worst.margin(self.id(), Limit::FenceMargin, "m")
@@ -161,13 +167,13 @@ impl Contract<'_> {
         };
         let bound_m = self.spec.fence_margin_m();
         let mut worst = Worst::default();
-        for (chord, parts) in self.flown() {
+        for (segment, parts) in self.flown() {
             for part in parts {
-                // What is flown may be as far as its bow from the chord, to any side.
-                let known_m = worst.room() + bound_m + chord.bow_m;
+                // What is flown may be as far as its bow from the segment, to any side.
+                let known_m = worst.room() + bound_m + segment.bow_m;
                 let (away_m, w) = fence.margin_m(&part, known_m);
-                let away_m = away_m - chord.bow_m;
-                worst.at_least(away_m, bound_m, || self.moment_of(chord, &part, w));
+                let away_m = away_m - segment.bow_m;
+                worst.at_least(away_m, bound_m, || self.moment_of(segment, &part, w));
             }
         }
         for place in self.mission.rally.iter().filter_map(Item::place) {
@@ -192,11 +198,11 @@ impl Contract<'_> {
         let home = LatLon::of_e7(home.x, home.y);
         let mut ways: Vec<Part<'_>> = Vec::new();
         let mut backs: Vec<Part<'_>> = Vec::new();
-        for (chord, parts) in self.flown() {
+        for (segment, parts) in self.flown() {
             for part in parts {
-                ways.push(Part::new(chord, part, chord.bow_m));
+                ways.push(Part::new(segment, part, segment.bow_m));
                 // Another way back may be nearer by half of a step.
-                let back = |back| Part::new(chord, back, 0.5 * BACK_STEP_M + chord.bow_m);
+                let back = |back| Part::new(segment, back, 0.5 * BACK_STEP_M + segment.bow_m);
                 backs.extend(ways_back(&part, home).map(back));
             }
         }
@@ -214,7 +220,7 @@ impl Contract<'_> {
                 |way, worst| {
                     let (away_m, w) = region.margin_m(&way.stretch, f64::INFINITY);
                     worst.at_least(away_m - way.slack_m, bound_m, || {
-                        self.moment_of(way.chord, &way.stretch, w)
+                        self.moment_of(way.segment, &way.stretch, w)
                     });
                 },
             )
@@ -224,19 +230,19 @@ impl Contract<'_> {
         margins.collect()
     }
 
-    /// The chords of the flight in parts that are straight on the earth.
-    fn flown(&self) -> impl Iterator<Item = (&Chord, Vec<Stretch>)> {
-        let chords = self.flight.chords.iter().enumerate();
-        let once = chords.filter(|(index, _)| Some(*index) != self.flight.repetition);
-        once.map(|(_, chord)| {
-            let from = self.world.frame.from_plan(chord.from.at);
-            let parts = stretches(&self.world.frame, (chord.from.at, from), chord.to.at);
-            (chord, parts)
+    /// The segments of the flight in parts that are straight on the earth.
+    fn flown(&self) -> impl Iterator<Item = (&Segment, Vec<Stretch>)> {
+        let segments = self.flight.segments.iter().enumerate();
+        let once = segments.filter(|(index, _)| Some(*index) != self.flight.repetition);
+        once.map(|(_, segment)| {
+            let from = self.world.frame.from_plan(segment.from.at);
+            let parts = stretches(&self.world.frame, (segment.from.at, from), segment.to.at);
+            (segment, parts)
         })
     }
 
-    fn moment_of(&self, chord: &Chord, part: &Stretch, w: f64) -> Moment {
-        chord.moment(&self.world.frame, part.u.0 + (part.u.1 - part.u.0) * w)
+    fn moment_of(&self, segment: &Segment, part: &Stretch, w: f64) -> Moment {
+        segment.moment(&self.world.frame, part.u.0 + (part.u.1 - part.u.0) * w)
     }
 }
 

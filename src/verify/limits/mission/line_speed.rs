@@ -4,7 +4,7 @@ use super::{Contract, SPEED_MPS};
 use crate::geodesy::EastNorth;
 use crate::numeric::geometry::point_segment_distance;
 use crate::tasks::lay_out;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::Segment;
 use crate::verify::measure::worst::Worst;
 
 /// A leg is on a line within this, metres, where it is longer than that many times.
@@ -46,29 +46,33 @@ impl Contract<'_> {
         if lines.is_empty() {
             return false;
         }
-        let (cruises, chords) = (&self.flight.cruises, &self.flight.chords);
+        let (cruises, segments) = (&self.flight.cruises, &self.flight.segments);
         let end = cruises
             .get(index + 1)
-            .map_or(chords.len(), |next| next.chord);
-        let flown = chords.get(cruises[index].chord..end).unwrap_or_default();
+            .map_or(segments.len(), |next| next.segment);
+        let flown = segments
+            .get(cruises[index].segment..end)
+            .unwrap_or_default();
         let mut is_on_line = false;
-        for chord in flown {
-            if let Some(planned_mps) = Self::speed_on_line(chord, lines) {
+        for segment in flown {
+            if let Some(planned_mps) = Self::speed_on_line(segment, lines) {
                 is_on_line = true;
                 let off_mps = (speed_mps - planned_mps).abs();
-                worst.at_most(off_mps, SPEED_MPS, || chord.moment(&self.world.frame, 0.0));
+                worst.at_most(off_mps, SPEED_MPS, || {
+                    segment.moment(&self.world.frame, 0.0)
+                });
             }
         }
         is_on_line
     }
 
     /// The speed of the line that a leg is on, m/s.
-    fn speed_on_line(chord: &Chord, lines: &[SpeedOfLine]) -> Option<f64> {
-        let (from, to) = (chord.from.at, chord.to.at);
+    fn speed_on_line(segment: &Segment, lines: &[SpeedOfLine]) -> Option<f64> {
+        let (from, to) = (segment.from.at, segment.to.at);
         if from.distance_m(to) < LONGER * NEAR_M {
             return None;
         }
-        let quarters = [0.25, 0.75].map(|share| chord.at(share).at);
+        let quarters = [0.25, 0.75].map(|share| segment.at(share).at);
         let point = |at: EastNorth| [at.east_m, at.north_m];
         let is_on = |line: &&SpeedOfLine| {
             let (from, to) = line.ends;

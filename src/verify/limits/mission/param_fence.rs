@@ -13,23 +13,23 @@ impl Contract<'_> {
         let fence = ParamFence::of(self.mission).filter(|fence| fence.acts)?;
         let home = self.stations.home;
         let mut was_above = false;
-        self.flight.chords.iter().find_map(|chord| {
-            let item = self.mission.items.get(chord.row.checked_sub(1)?)?;
+        self.flight.segments.iter().find_map(|segment| {
+            let item = self.mission.items.get(segment.row.checked_sub(1)?)?;
             let lands = is_takeoff_or_landing(item);
-            let is_end = chord.phase == Phase::Finish && !lands;
+            let is_end = segment.phase == Phase::Finish && !lands;
             if is_end || item.command == command::NAV_RETURN_TO_LAUNCH {
                 return None;
             }
             let is_low = was_above && !lands;
-            let ends = [(chord.from, 0.0), (chord.to, 1.0)];
+            let ends = [(segment.from, 0.0), (segment.to, 1.0)];
             ends.into_iter().find_map(|(end, u)| {
                 let above_m = end.amsl.0 - home.amsl.0;
                 was_above |= fence.floor_counts_from(above_m);
-                let away_m = end.at.distance_m(home.at) + chord.error_m;
+                let away_m = end.at.distance_m(home.at) + segment.error_m;
                 let low = fence.below(above_m).filter(|_| is_low);
                 let found = fence.beyond(Some(above_m), Some(away_m)).or(low)?;
-                let problem = AcceptanceProblem::param_fence(chord.row, found);
-                Some((problem, chord.moment(&self.world.frame, u)))
+                let problem = AcceptanceProblem::param_fence(segment.row, found);
+                Some((problem, segment.moment(&self.world.frame, u)))
             })
         })
     }

@@ -125,16 +125,16 @@ impl Contract<'_> {
         let radius_m = self.radius_m(stop);
         let mut found = Vec::new();
         let mut best: Option<Nearest> = None;
-        let chords = self.flight.chords.iter();
-        for chord in chords.filter(|chord| chord.flown && chord.to_s > after_s) {
-            let u = chord.nearest(point);
-            let there = chord.at(u);
-            let away_m = there.distance_m(point) + chord.error_m + chord.wide_m;
+        let segments = self.flight.segments.iter();
+        for segment in segments.filter(|segment| segment.flown && segment.to_s > after_s) {
+            let u = segment.nearest(point);
+            let there = segment.at(u);
+            let away_m = there.distance_m(point) + segment.error_m + segment.wide_m;
             if best.is_some_and(|best| best.0 <= radius_m) && away_m > radius_m {
                 found.extend(best.take());
             }
             if best.is_none_or(|best| away_m < best.0) {
-                best = Some((away_m, there, chord.time_s(u), chord.row));
+                best = Some((away_m, there, segment.time_s(u), segment.row));
             }
         }
         let is_pass = |best: &Nearest| best.0 <= radius_m || found.is_empty();
