@@ -47,12 +47,13 @@ import numpy as np
 from second.earth import A, Ground
 from second.fleets import make_fleet
 from second.flight import Flight, read_items, read_parameter, read_radius
-from second.minima import ceiling, clearance, separation, slope_clearance, to_threat
+from second.minima import ceiling, clearance, posts_off, separation, slope_clearance, to_threat
 from second.wing import WingFlight, read_params
 from second.wing_fleets import KINDS, make_pair, make_wing
 
 ROOT = Path(__file__).resolve().parent.parent
 CHORD_M = 0.02  # the verdict's chords of arcs and ramps
+SAMPLED_M = 1.0  # what it follows is compared with the ground no further away than this
 FOLLOW_M = 0.12  # its chords over ground that is followed, and a chord of those
 ROUNDING_M = 0.002  # of printed margins and float32 altitudes
 STEEP_M = 2000  # more than any line climbs
@@ -137,19 +138,20 @@ class Comparison:
         if what == "items judged" and isinstance(flight, WingFlight) and not margin["ok"]:
             raise RuntimeError(margin["note"])
         steepest, follow = self.ground.steepest, FOLLOW_M if flight.follows else 0
+        posts = 2 * SAMPLED_M * steepest if flight.follows else 0
         # Altitudes along steep lines differ with the lengths, which the verdict's plane makes short.
         beside = flight.beside(self.origin) + STEEP_M * (flight.furthest(self.origin) / A) ** 2 / 2
         if what == "terrain clearance":
             return Finding("clearance", *named, value, *clearance(flight), max(CHORD_M * steepest, follow),
-                           (beside + flight.loose) * steepest, margin["limit"],
+                           (beside + flight.loose) * steepest + posts, margin["limit"],
                            self.spec["area"]["min_agl_m"] + self.buffer("terrain"))
         if what == "takeoff and landing clearance":
             return Finding("slope", *named, value - margin["limit"], *slope_clearance(flight), CHORD_M * steepest,
                            (beside + flight.loose) * steepest)
         if what == "ceiling":
             slope = flight.steep + (steepest if flight.follows else 0)
-            return Finding("ceiling", *named, -value, *ceiling(flight), follow,
-                           beside * max(slope, 1.0) + flight.loose * slope, -margin["limit"],
+            return Finding("ceiling", *named, -value, *ceiling(flight), follow + posts_off(flight),
+                           beside * max(slope, 1.0) + flight.loose * slope + posts, -margin["limit"],
                            self.buffer("ceiling") - self.spec["area"]["max_amsl_m"])
         if what in self.threats:
             found, error = to_threat(flight, self.threats[what])
@@ -162,7 +164,8 @@ class Comparison:
 
     def apart(self, margin, value):
         a, b = (self.flights[margin[which]] for which in ("vehicle", "other"))
-        follow = (a.follows + b.follows) * FOLLOW_M
+        off = posts_off(a) + posts_off(b)
+        follow = (a.follows + b.follows) * FOLLOW_M + off
         level = None if self.vertical is None else self.vertical + margin.get("buffer", 0)
         measure, found, error, chords = separation(a, b, self.slack, level, 2 * CHORD_M + follow)
         reported = "gap" if margin["unit"] == "s" else "m" if margin["limit"] != level else "vertical"
@@ -171,6 +174,8 @@ class Comparison:
             if measure == "gap" and reported != "gap":
                 return None
             chords = math.inf
+        if measure != reported and off:
+            return None
         if measure != reported:
             found = math.nan
         plane = sum(f.along(self.origin) + f.beside(self.origin) for f in (a, b))

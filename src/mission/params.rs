@@ -7,11 +7,20 @@
 use super::item::{Item, Parameter, VehicleMission};
 use crate::autopilot::{
     Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, SLOW_LANDING_M, Version,
-    command, facts, name_in, parameter,
+    command, facts, frame, name_in, parameter,
 };
 use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
 use crate::spec::{MissionOptions, Vehicle, Wing, turn_radius_by_load_m};
+
+/// What a mission that follows the terrain needs, at its defaults, and why.
+const FOLLOWING: [(&str, &str); 2] = [
+    ("TERRAIN_ENABLE", "altitudes are above the terrain"),
+    (
+        "TERRAIN_SPACING",
+        "posts of the terrain that the verdict judges altitudes with, m",
+    ),
+];
 
 /// Turn radius of a vehicle at its planned speed, metres.
 #[must_use]
@@ -44,6 +53,15 @@ pub fn parameters(
     }
     if let Some(lean_deg) = airspeed_mps.and_then(|mps| vehicle.lean_for_speed_deg(mps)) {
         list.lean(lean_deg);
+    }
+    if items
+        .iter()
+        .any(|item| frame::canonical(item.frame) == frame::GLOBAL_TERRAIN_ALT)
+    {
+        for (name, why) in FOLLOWING {
+            let default = parameter(name).map_or(0.0, ParameterRow::default_si);
+            list.set(name, default, why);
+        }
     }
     if let Some(margin_m) = fence_margin_m {
         list.fence(margin_m);

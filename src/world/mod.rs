@@ -18,7 +18,7 @@ pub use layer::Layer;
 pub use load::{files, load, with_ground};
 pub use reader::{
     Bounds, TerrainError, TerrainInfo, elevation_files, inspect, is_elevation, read_terrain,
-    terrain_files,
+    system_of, terrain_files,
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
 pub use unit_warnings::unit_warnings;

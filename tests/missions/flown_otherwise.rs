@@ -207,3 +207,51 @@ fn a_wing_that_is_not_armed_for_its_mission_with_stock_parameters_is_named() {
     assert!(said("ardupilot", &rows).contains("RTL_AUTOLAND 0"));
     assert!(!said("px4", &rows).contains("MIS_TKO_LAND_REQ"));
 }
+
+/// Dunes of 16 m, 120 m apart: between posts 100 m apart ArduCopter 4.7.0-beta1 flew 1.4 m below their tops
+/// where 11.5 m of clearance were passed.
+#[test]
+fn a_copter_that_follows_ground_finer_than_the_posts_of_its_autopilot_is_judged_with_what_they_are_off()
+ {
+    let folder = tempfile::tempdir().expect("a folder");
+    let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+    let row: Vec<String> = (0..340)
+        .map(|column| {
+            let east_m = (f64::from(column) - 110.0) * 0.00009 * 75_267.0;
+            let phase = std::f64::consts::TAU * east_m / 120.0;
+            format!("{:.2}", 430.0 + 8.0 * phase.cos())
+        })
+        .collect();
+    let head = "ncols 340\nnrows 180\nxllcorner 8.51\nyllcorner 47.392\ncellsize 0.00009\n";
+    put(
+        "dune.asc",
+        &(head.to_owned() + &(row.join(" ") + "\n").repeat(180)),
+    );
+    put("dune.prj", "EPSG:4326");
+    let plan = |agl_m: f64| {
+        put(
+            "dune.yaml",
+            &format!(
+                "sortie: 2\nname: dune\narea: {{south_west: {{lat: 47.395, lon: 8.515}}, north_east: {{lat: 47.405, lon: 8.537}}, min_agl_m: 5, max_amsl_m: 900}}\nterrain: {{file: dune.asc}}\nvehicles:\n  - {{id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 4, climb_mps: 2.5, descent_mps: 2.5, max_climb_deg: 30, max_descent_deg: 30, finish: land,\n     start: {{lat: 47.40, lon: 8.521, agl_m: {agl_m}}}, goal: {{lat: 47.40, lon: 8.534, agl_m: {agl_m}}}}}\nmission: {{altitude: terrain, fence: false}}\nplanner: {{evaluations: 500}}\n"
+            ),
+        );
+        let output = sortie(folder.path(), &["plan", "dune.yaml"]);
+        (
+            output.status.code(),
+            text(&output.stdout) + &text(&output.stderr),
+        )
+    };
+    let (code, said) = plan(20.0);
+    assert_eq!(code, Some(4), "{said}");
+    let why = "FAIL alpha: terrain clearance: ";
+    let least_m = said
+        .split_once(why)
+        .and_then(|(_, rest)| rest.split_once(" m,"));
+    let least_m: f64 = least_m.expect(why).0.parse().expect("metres");
+    assert!(least_m < 3.0, "{said}");
+    // A second plan replaces the folder of the first, the grid's coordinate system in it.
+    let (code, said) = plan(45.0);
+    assert_eq!(code, Some(0), "{said}");
+    let held = fs::read_to_string(folder.path().join("out/dune/alpha.params")).expect("parameters");
+    assert!(held.contains("TERRAIN_SPACING,100"), "{held}");
+}

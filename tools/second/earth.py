@@ -76,6 +76,22 @@ class Ground:
         dy = np.abs(np.diff(self.heights, axis=0)) / (metres * self.step[1])
         self.steepest = float(np.hypot(np.maximum(dx[:-1], dx[1:]), np.maximum(dy[:, :-1], dy[:, 1:])).max())
 
+    def posts_apart(self, lat, lon, spacing):
+        """How far a surface, bilinear between posts so far apart, may be below and above the ground: the worst of
+        16 ways in which the place may lie between the posts."""
+        lat, lon, here = np.asarray(lat), np.asarray(lon), self.height(lat, lon)
+        prime = A / np.sqrt(1 - E2 * np.sin(np.radians(lat)) ** 2)
+        north = np.degrees(1 / (prime * (1 - E2) / (1 - E2 * np.sin(np.radians(lat)) ** 2)))
+        east = np.degrees(1 / (prime * np.cos(np.radians(lat))))
+        below, above = np.zeros(np.shape(here)), np.zeros(np.shape(here))
+        for x in (0, 0.25, 0.5, 0.75):
+            for y in (0, 0.25, 0.5, 0.75):
+                posts = sum((x if right else 1 - x) * (y if up else 1 - y)
+                            * self.height(lat + (up - y) * spacing * north, lon + (right - x) * spacing * east)
+                            for right in (0, 1) for up in (0, 1))
+                below, above = np.maximum(below, here - posts), np.maximum(above, posts - here)
+        return below, above
+
     def height(self, lat, lon):
         row = (self.north - np.asarray(lat)) / self.step[1]
         column = (np.asarray(lon) - self.west) / self.step[0]

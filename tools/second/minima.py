@@ -8,6 +8,7 @@ from .earth import ecef, geodetic
 from .shapes import Line
 
 EPS_M = 0.01
+POSTS_M = 100.0  # between those of the terrain that ArduPilot follows (TERRAIN_SPACING)
 
 
 class Lines:
@@ -99,25 +100,38 @@ def over_ground(flight, judged, share):
 
     def value(shapes, index, s):
         if shapes.follows:
-            return shapes.value(index, s)
+            return shapes.value(index, s) - ground.posts_apart(*shapes.place(index, s), POSTS_M)[0]
         amsl = shapes.amsl(ground, index, s)
         over = amsl - ground.height(*shapes.place(index, s))
         return over - share * (amsl - shapes.floor[index]) if share else over
 
     def slope(shapes):
-        return shapes.climb + (0.0 if shapes.follows else ground.steepest)
+        return shapes.climb + (2 if shapes.follows else 1) * ground.steepest
 
     return along(bundles(judged), value, slope)
+
+
+def posts_off(flight):
+    """How far the altitudes of what follows the terrain may be off, at most."""
+    worst = 0.0
+    for shapes in bundles(flight.everywhere()):
+        if shapes.follows:
+            for index, length in enumerate(shapes.length):
+                s = np.linspace(0, 1, max(2, math.ceil(length / 4)))
+                places = shapes.place(np.full(len(s), index), s)
+                worst = max(worst, max(float(off.max()) for off in flight.ground.posts_apart(*places, POSTS_M)))
+    return worst
 
 
 def ceiling(flight):
     """The greatest altitude, negative, so that it is a least value."""
 
     def value(shapes, index, s):
-        return -shapes.amsl(flight.ground, index, s)
+        off = np.maximum(*flight.ground.posts_apart(*shapes.place(index, s), POSTS_M)) if shapes.follows else 0.0
+        return -shapes.amsl(flight.ground, index, s) - off
 
     def slope(shapes):
-        return shapes.climb + (flight.ground.steepest if shapes.follows else 0.0)
+        return shapes.climb + (3 * flight.ground.steepest if shapes.follows else 0.0)
 
     return along(bundles(flight.everywhere()), value, slope)
 

@@ -381,7 +381,9 @@ fn copied(file: &SpecFile) -> Vec<String> {
         Some(part.as_os_str().to_string_lossy().into_owned())
     };
     let attached = file.attached.iter().map(|attached| &attached.name);
-    let named = terrain.into_iter().chain(table).chain(attached);
+    let system = terrain.and_then(|path| world::system_of(path));
+    let named = terrain.into_iter().chain(&system);
+    let named = named.chain(table).chain(attached);
     named.filter_map(first).collect()
 }
 

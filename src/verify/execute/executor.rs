@@ -64,7 +64,7 @@ pub(crate) fn fly(
         vehicle,
         rotors,
         world,
-        trajectory: TrajectoryBuilder::new(world),
+        trajectory: TrajectoryBuilder::new(world, posts_m(mission)),
         stations,
         tolerance_m: spec.mission.tolerance_m,
         drops: world.drops(spec, vehicle, stations),
@@ -101,6 +101,13 @@ pub(crate) fn fly(
     let mut flight = pilot.flight.cut_at_nan();
     bent_map::widen(vehicle, &mut flight, world);
     flight
+}
+
+/// Between the posts of the terrain that `ArduPilot` follows, metres.
+fn posts_m(mission: &VehicleMission) -> f64 {
+    mission
+        .param_or_default_si("TERRAIN_SPACING")
+        .unwrap_or(0.0)
 }
 
 /// Whether a mission without a delay starts at `depart_s`, launched by an operator, and not at T0.

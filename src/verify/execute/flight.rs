@@ -7,7 +7,7 @@ use crate::geodesy::{EastNorth, PlanPoint};
 use super::decode::Unknown;
 use super::legs::{Knot, Run};
 use super::trajectory::AltitudeLine;
-use crate::verify::measure::segment::{Phase, Segment};
+use crate::verify::measure::segment::{Followed, Phase, Segment};
 
 /// How steep and how fast one leg is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -267,7 +267,7 @@ impl Flight {
     fn slopes_over_ground(&mut self, segments: &[Segment], of_leg: Range<usize>, speed_mps: f64) {
         for segment in of_leg {
             let of = &segments[segment];
-            if of.flown && of.agl_m.is_some() {
+            if of.flown && of.followed.is_some() {
                 self.slopes.push(Slope {
                     segment,
                     phase: of.phase,
@@ -288,9 +288,7 @@ impl Flight {
             segment.from_s.is_finite()
                 && !segment.to_s.is_nan()
                 && segment.error_m.is_finite()
-                && segment
-                    .agl_m
-                    .is_none_or(|(from_m, to_m)| (from_m + to_m).is_finite())
+                && segment.followed.is_none_or(Followed::is_finite)
                 && ends
                     .iter()
                     .all(|end| (end.at.east_m + end.at.north_m + end.amsl.0).is_finite())
@@ -314,14 +312,20 @@ mod tests {
     #[test]
     fn a_height_above_ground_that_is_not_a_number_ends_what_is_known() {
         let at = PlanPoint::new(0.0, 0.0, Amsl(500.0));
-        let segment = |agl_m| Segment {
+        let followed = |agl_m: (f64, f64)| Followed {
             agl_m,
+            least_m: agl_m.0.min(agl_m.1),
+            most_m: agl_m.0.max(agl_m.1),
+            off_m: 0.0,
+        };
+        let segment = |agl_m| Segment {
+            followed: Some(followed(agl_m)),
             flown: true,
             ..Segment::unflown((3, Phase::Route), (0.0, 1.0), (at, at))
         };
         for agl_m in [(f64::NAN, 50.0), (50.0, f64::NAN), (f64::INFINITY, 50.0)] {
             let flight = Flight {
-                segments: vec![segment(Some((50.0, 50.0))), segment(Some(agl_m))],
+                segments: vec![segment((50.0, 50.0)), segment(agl_m)],
                 ..Flight::default()
             };
             let cut = flight.cut_at_nan();

@@ -5,11 +5,15 @@ use crate::world::{NoData, World};
 
 use super::decode::Unknown;
 use super::legs::{Knot, Piece, Shape};
-use crate::verify::measure::segment::{Column, Phase, Segment, stretches};
+use crate::verify::measure::posts::apart;
+use crate::verify::measure::segment::{Column, Followed, Phase, Segment, stretches};
 use crate::verify::measure::surface::Surface;
 
 /// A curved or accelerated piece is cut into segments that are never further off than this.
 const CHORD_ERROR_M: f64 = 0.02;
+
+/// The surface that an autopilot follows is compared with the ground at places so far apart, metres.
+const EVERY_M: f64 = 2.0;
 
 /// Most segments of a mission, so that jumps around long circles cannot take all of the memory: 300 000 take some 130 MB.
 const MAX_SEGMENTS: usize = 300_000;
@@ -18,6 +22,8 @@ const MAX_SEGMENTS: usize = 300_000;
 pub(crate) struct TrajectoryBuilder<'a> {
     pub(crate) frame: &'a LocalFrame,
     surface: Surface<'a>,
+    /// Between the posts of the surface that the autopilot follows, metres.
+    posts_m: f64,
     pub(crate) segments: Vec<Segment>,
     pub(crate) t_s: f64,
     /// By how much the vehicle may be late, for the stops so far, seconds.
@@ -79,9 +85,10 @@ impl AltitudeLine {
 }
 
 impl<'a> TrajectoryBuilder<'a> {
-    pub(crate) fn new(world: &'a World) -> Self {
+    pub(crate) fn new(world: &'a World, posts_m: f64) -> Self {
         Self {
             frame: &world.frame,
+            posts_m,
             surface: Surface::new(&world.terrain),
             segments: Vec::new(),
             t_s: 0.0,
@@ -320,13 +327,39 @@ impl<'a> TrajectoryBuilder<'a> {
                         from,
                         to,
                         error_m: segment.error_m + error_m,
-                        agl_m: Some((low_m, high_m)),
+                        followed: Some(self.followed((from.at, to.at), (low_m, high_m))),
                         ..segment
                     });
                 }
             }
         }
         Ok(())
+    }
+
+    /// The heights above ground on a straight way on which a vehicle follows the terrain.
+    fn followed(&self, (from, to): (EastNorth, EastNorth), agl_m: (f64, f64)) -> Followed {
+        let mut all = Followed {
+            agl_m,
+            least_m: f64::INFINITY,
+            most_m: f64::NEG_INFINITY,
+            off_m: 0.0,
+        };
+        let count = step_count(from.distance_m(to), EVERY_M);
+        for step in 0..=count {
+            let u = f64::from(step) / f64::from(count);
+            let mix = |a: f64, b: f64| a + (b - a) * u;
+            let at = EastNorth {
+                east_m: mix(from.east_m, to.east_m),
+                north_m: mix(from.north_m, to.north_m),
+            };
+            let place = self.frame.from_plan(at);
+            let apart = apart(self.surface.terrain(), place, self.posts_m);
+            let over_m = mix(agl_m.0, agl_m.1);
+            all.least_m = all.least_m.min(over_m - apart.below_m);
+            all.most_m = all.most_m.max(over_m + apart.above_m);
+            all.off_m = all.off_m.max(apart.most_m());
+        }
+        all
     }
 
     /// Altitude along the leg between two knots.
@@ -362,6 +395,16 @@ fn no_data(row: usize, gap: NoData) -> Unknown {
         row,
         why: gap.to_string(),
     }
+}
+
+fn step_count(length_m: f64, every_m: f64) -> u32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a small positive count"
+    )]
+    let count = (length_m / every_m).ceil().clamp(1.0, 1e5) as u32;
+    count
 }
 
 /// In how many parts a parabola is cut so that each is straight to a decimetre.

@@ -1,13 +1,13 @@
 //! What the flight model takes for granted where a number can be put to it.
 
-use crate::geodesy::{LatLon, SMALL_BEND_M};
+use crate::geodesy::SMALL_BEND_M;
 use crate::path::lean_note;
 use crate::spec::{Airframe, MissionSpec, Vehicle, Wind};
 use crate::world::World;
 
 use crate::verify::execute::bent_map;
 use crate::verify::execute::flight::Flight;
-use crate::verify::measure::outline::metres_per_degree;
+use crate::verify::measure::segment::Segment;
 
 /// Doubts about less than this are not worth a line, metres.
 const WORTH_M: f64 = 0.1;
@@ -35,63 +35,16 @@ pub(crate) fn bends<'a>(
     })
 }
 
-/// Distance between the posts of ArduPilot's own grid, metres: `TERRAIN_SPACING`.
-const POSTS_M: f64 = 100.0;
-/// Places along the way at which the two surfaces are compared are so far apart, metres.
-const EVERY_M: f64 = 25.0;
-
-/// ArduPilot follows a surface of its own, bilinear between posts 100 m apart with the
-/// heights of the same source. Where the posts lie is its affair: the worst of 16 ways counts.
-pub(crate) fn other_posts<'a>(
-    flights: impl Iterator<Item = &'a Flight>,
-    world: &World,
-) -> Option<String> {
-    let (mut worst_m, mut due_m) = (0.0_f64, 0.0);
-    for segment in flights
-        .flat_map(|flight| &flight.segments)
-        .filter(|segment| segment.agl_m.is_some())
-    {
-        let length_m = segment.from.at.distance_m(segment.to.at);
-        while due_m < length_m {
-            let place = world.frame.from_plan(segment.at(due_m / length_m).at);
-            worst_m = worst_m.max(apart_m(world, place));
-            due_m += EVERY_M;
-        }
-        due_m -= length_m;
-    }
+/// `ArduPilot` follows a surface of its own: how far that may be off.
+pub(crate) fn other_posts<'a>(flights: impl Iterator<Item = &'a Flight>) -> Option<String> {
+    let segments = flights.flat_map(|flight| &flight.segments);
+    let worst_m = segments.map(Segment::off_m).fold(0.0, f64::max);
     (worst_m > WORTH_M).then(|| {
         format!(
-            "ArduPilot follows the terrain of its own posts, {POSTS_M:.0} m apart (TERRAIN_SPACING): from the same source they can be off by up to {worst_m:.1} m on the way"
+            "ArduPilot follows the terrain of its own posts (TERRAIN_SPACING, 100 m apart where no parameter says otherwise): from the \
+             same source they are off by up to {worst_m:.1} m on the way, and heights and distances are judged with what they are off at each place"
         )
     })
-}
-
-/// How far the two surfaces can differ at a place, metres; voids are judged elsewhere.
-fn apart_m(world: &World, at: LatLon) -> f64 {
-    const WAYS: u32 = 4;
-    let (north, east) = metres_per_degree(at.lat_deg);
-    let ground_m = |east_m: f64, north_m: f64| {
-        let place = LatLon {
-            lat_deg: at.lat_deg + north_m / north,
-            lon_deg: at.lon_deg + east_m / east,
-        };
-        world.terrain.height(place).ok().map(|amsl| amsl.0)
-    };
-    let share = |way: u32| f64::from(way) / f64::from(WAYS);
-    let between = |x: f64, y: f64| {
-        // The place lies at (x, y) of a cell.
-        let post = |right: f64, up: f64| ground_m((right - x) * POSTS_M, (up - y) * POSTS_M);
-        let south = post(0.0, 0.0)? * (1.0 - x) + post(1.0, 0.0)? * x;
-        let north = post(0.0, 1.0)? * (1.0 - x) + post(1.0, 1.0)? * x;
-        Some(south * (1.0 - y) + north * y)
-    };
-    let Some(here_m) = ground_m(0.0, 0.0) else {
-        return 0.0;
-    };
-    (0..WAYS)
-        .flat_map(|x| (0..WAYS).filter_map(move |y| between(share(x), share(y))))
-        .map(|posts_m| (posts_m - here_m).abs())
-        .fold(0.0, f64::max)
 }
 
 /// A copter holds its ground speed in the wind (`WPNAV_SPEED` and `MPC_XY_CRUISE` are ground

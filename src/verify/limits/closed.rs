@@ -231,12 +231,12 @@ impl<'a> Closed<'a> {
             Placement::Amsl(amsl) => (
                 amsl_m(w0) - amsl.0,
                 amsl_m(w1) - amsl.0,
-                segment.error_m + self.buffer_m,
+                segment.error_m + segment.off_m() + self.buffer_m,
             ),
             Placement::Agl(agl) => (
                 amsl_m(w0) - level.ground_m.0 - agl.0,
                 amsl_m(w1) - level.ground_m.1 - agl.0,
-                segment.error_m + level.error_m + self.buffer_m,
+                segment.error_m + segment.off_m() + level.error_m + self.buffer_m,
             ),
         };
         let mut part = (0.0, 1.0);

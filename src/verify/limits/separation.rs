@@ -77,9 +77,7 @@ impl Near {
         /// More than rounding may take from a distance, metres.
         const TOLERANCE_M: f64 = 1e-3;
         let segments = timelines.iter().flat_map(|timeline| &timeline.segments);
-        let error_m = segments
-            .map(|segment| segment.error_m + segment.wide_m)
-            .fold(0.0, f64::max);
+        let error_m = segments.map(|of| of.reach_m()).fold(0.0, f64::max);
         let fleet = timelines.iter().map(|timeline| {
             let (late_s, early_s) = timeline
                 .span()

@@ -165,10 +165,10 @@ impl<'a> Space<'a> {
             if let Some(part) = parts.first() {
                 self.judge_contact(segment, column, part, &mut found.contact);
             }
-        } else if let Some(ends_m) = segment.agl_m {
-            let (least_m, u) = lower_end(ends_m);
+        } else if let Some(followed) = segment.followed {
+            let (_, u) = lower_end(followed.agl_m);
             let at = || segment.moment(&self.world.frame, u);
-            found.clearance.at_least(least_m, min_m, at);
+            found.clearance.at_least(followed.least_m, min_m, at);
         } else if let Some(ground_m) = segment.slope_from_m {
             let share_m = |amsl_m: f64| SLOPE_SHARE * (amsl_m - ground_m);
             self.judge_clearance(segment, parts, &share_m, &mut found.slope);
@@ -224,11 +224,7 @@ impl<'a> Space<'a> {
 
     fn judge_ceiling(&self, segment: &Segment, worst: &mut Worst) {
         let u = f64::from(u8::from(segment.to.amsl.0 > segment.from.amsl.0));
-        let slack_m = if segment.agl_m.is_some() {
-            segment.error_m
-        } else {
-            0.0
-        };
+        let slack_m = followed_off_m(segment);
         let highest_m = segment.at(u).amsl.0 + slack_m;
         worst.at_most(highest_m, self.world.max_amsl.0, || {
             segment.moment(&self.world.frame, u)
@@ -239,11 +235,12 @@ impl<'a> Space<'a> {
     /// columns and slopes of takeoff and landing.
     fn judge_layer(&self, layer: Layer, segment: &Segment, parts: &[Stretch], found: &mut Found) {
         if layer.max_agl_m.is_finite() {
-            match segment.agl_m {
-                Some((from_m, to_m)) => {
-                    let (least_m, u) = lower_end((-from_m, -to_m));
+            match segment.followed {
+                Some(followed) => {
+                    let (from_m, to_m) = followed.agl_m;
+                    let (_, u) = lower_end((-from_m, -to_m));
                     let at = || segment.moment(&self.world.frame, u);
-                    found.height.at_most(-least_m, layer.max_agl_m, at);
+                    found.height.at_most(followed.most_m, layer.max_agl_m, at);
                 }
                 None => self.judge_height(layer.max_agl_m, segment, parts, &mut found.height),
             }
@@ -254,7 +251,7 @@ impl<'a> Space<'a> {
         {
             let ends_m = (segment.from.amsl.0, segment.to.amsl.0);
             let (least_m, u) = lower_end(ends_m);
-            let slack_m = segment.agl_m.map_or(0.0, |_| segment.error_m);
+            let slack_m = followed_off_m(segment);
             let at = || segment.moment(&self.world.frame, u);
             found.low.at_least(least_m - slack_m, layer.min_amsl_m, at);
         }
@@ -338,6 +335,13 @@ fn lower_end((from_m, to_m): (f64, f64)) -> (f64, f64) {
     } else {
         (to_m, 1.0)
     }
+}
+
+/// How far a segment that follows the terrain may be off in altitude, metres.
+fn followed_off_m(segment: &Segment) -> f64 {
+    segment
+        .followed
+        .map_or(0.0, |of| segment.error_m + of.off_m)
 }
 
 fn moment(segment: &Segment, part: &Stretch, w: f64) -> Moment {

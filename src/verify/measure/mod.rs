@@ -3,6 +3,7 @@
 pub(super) mod hills;
 pub(super) mod outline;
 pub(super) mod patch;
+pub(super) mod posts;
 pub(super) mod segment;
 pub(super) mod surface;
 pub(super) mod timeline;

@@ -24,6 +24,18 @@ pub(crate) enum Column {
     Drop,
 }
 
+/// Heights above ground of a vehicle that follows the terrain by a surface of its autopilot, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Followed {
+    /// As ordered, at both ends of the segment.
+    pub(crate) agl_m: (f64, f64),
+    /// The least and the greatest that it may have over the ground of the verdict.
+    pub(crate) least_m: f64,
+    pub(crate) most_m: f64,
+    /// How far its altitude may be off that of the segment.
+    pub(crate) off_m: f64,
+}
+
 /// A straight motion at constant velocity from one point to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Segment {
@@ -39,8 +51,8 @@ pub(crate) struct Segment {
     pub(crate) error_m: f64,
     /// Greatest distance of the path from the line of the segment, metres; 0 unless it is curved.
     pub(crate) bow_m: f64,
-    /// Height above ground at both ends where the vehicle follows the terrain, metres.
-    pub(crate) agl_m: Option<(f64, f64)>,
+    /// Heights above ground where the vehicle follows the terrain.
+    pub(crate) followed: Option<Followed>,
     /// Altitude of the ground from which this segment climbs out, or to which it glides, if it
     /// does, metres: height above ground is judged against that on the way.
     pub(crate) slope_from_m: Option<f64>,
@@ -55,6 +67,13 @@ pub(crate) struct Segment {
     pub(crate) early_s: f64,
     /// Whether it is flown: the ends of a leg at a fillet are judged in space, not in time.
     pub(crate) flown: bool,
+}
+
+impl Followed {
+    pub(crate) fn is_finite(self) -> bool {
+        let (from_m, to_m) = self.agl_m;
+        (from_m + to_m + self.least_m + self.most_m + self.off_m).is_finite()
+    }
 }
 
 impl Segment {
@@ -73,7 +92,7 @@ impl Segment {
             to,
             error_m: 0.0,
             bow_m: 0.0,
-            agl_m: None,
+            followed: None,
             slope_from_m: None,
             column: None,
             wide_m: 0.0,
@@ -81,6 +100,16 @@ impl Segment {
             early_s: 0.0,
             flown: false,
         }
+    }
+
+    /// How far its altitude may be off by the surface that it follows, metres.
+    pub(crate) fn off_m(&self) -> f64 {
+        self.followed.map_or(0.0, |of| of.off_m)
+    }
+
+    /// How far a vehicle may be from it at the same time, for the separation, metres.
+    pub(crate) fn reach_m(&self) -> f64 {
+        self.error_m + self.wide_m + self.off_m()
     }
 
     /// The fraction of the segment at a time.

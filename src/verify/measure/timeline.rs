@@ -107,7 +107,7 @@ impl Bounds {
             to_s: segment.to_s,
             low: from.inf(&to),
             high: from.sup(&to),
-            error_m: segment.error_m + segment.wide_m,
+            error_m: segment.reach_m(),
             late_s: segment.late_s,
             early_s: segment.early_s,
         }
@@ -154,7 +154,7 @@ impl Bounds {
 impl Metric {
     /// The closest approach of two segments, less what the segments may be off.
     fn measure(&self, a: &Segment, b: &Segment) -> Option<Approach> {
-        let error_m = a.error_m + a.wide_m + b.error_m + b.wide_m;
+        let error_m = a.reach_m() + b.reach_m();
         let shift_s = with_stops_s(self.shift_s, a.late_s + b.early_s, b.late_s + a.early_s);
         let (middle_s, slack_s) = (
             0.5 * (shift_s.least + shift_s.most),

@@ -315,10 +315,7 @@ pub(super) fn of_sorties(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_
         sorties.iter().map(|s| s.vehicle),
     ));
     list.extend(assumptions::bends(flown(), world));
-    list.extend(assumptions::other_posts(
-        sorties.iter().map(|s| &s.flight),
-        world,
-    ));
+    list.extend(assumptions::other_posts(sorties.iter().map(|s| &s.flight)));
     list.extend(assumptions::rally_limit(furthest_rally_m(sorties)));
     list.extend(separation::assumption(
         sorties.len(),

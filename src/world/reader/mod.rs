@@ -266,10 +266,16 @@ pub fn terrain_files(path: &Path, bounds: Option<Bounds>) -> Result<Vec<PathBuf>
 /// Adds the `.prj` of each ASCII grid.
 fn with_systems(files: Vec<PathBuf>) -> Vec<PathBuf> {
     let files = files.into_iter().flat_map(|path| {
-        let system = is_ascii(&name_of(&path)).then(|| prj::path_of(&path));
-        [Some(path), system.filter(|path| path.exists())]
+        let system = system_of(&path).filter(|path| path.exists());
+        [Some(path), system]
     });
     files.flatten().collect()
+}
+
+/// The `.prj` of an ASCII grid, which names its coordinate system.
+#[must_use]
+pub fn system_of(grid: &Path) -> Option<PathBuf> {
+    is_ascii(&name_of(grid)).then(|| prj::path_of(grid))
 }
 
 fn is_ascii(name: &str) -> bool {

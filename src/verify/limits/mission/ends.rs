@@ -73,7 +73,7 @@ impl Contract<'_> {
             (segment.phase == Phase::Route || !self.vehicle.airframe.has_wing())
                 && segment.flown
                 && segment.column != Some(Column::Ground)
-                && segment.agl_m.is_none()
+                && segment.followed.is_none()
                 && segment.slope_from_m.is_none()
         };
         for segment in segments.filter(is_route) {
