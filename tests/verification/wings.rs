@@ -181,6 +181,20 @@ fn nothing_outside_of_a_circle_is_further_from_it_than_it_is() {
     }
 }
 
+/// PX4 1.17 came to its circle between the tangent and the way to the middle, up to 17 m from both.
+#[test]
+fn a_wing_that_comes_to_a_circle_is_judged_everywhere_between_the_tangent_and_the_way_to_the_middle()
+ {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let (spec, mission) = quadplane(autopilot);
+        for north_m in [10.0, 30.0, 50.0, 70.0] {
+            let found_m = nearest_m(&spec, &mission, spot(2850.0, north_m));
+            assert!(found_m < 15.0, "{autopilot:?}, {north_m}: {found_m}");
+        }
+        assert!(nearest_m(&spec, &mission, spot(2600.0, -60.0)) > 40.0);
+    }
+}
+
 /// Nor does the edge of the area cut anything off a circle.
 #[test]
 fn a_circle_is_as_near_to_the_edge_as_its_outermost_place() {

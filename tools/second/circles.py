@@ -11,6 +11,7 @@ from .shapes import Height, Line, Point
 
 ORBIT_PIECES = 100  # of half an orbit in wind
 APART_M = 15.0  # lines that stand for a region
+BETWEEN_M = 30.0  # ways onto a circle end no further apart
 INSIDE_SHARE, ALIGNED_REACH = 0.2, 1.2
 WIDE_SHARE, LEVEL_M = {"ardupilot": 0.75, "plane-px4": 0.25}, {"ardupilot": 6.0, "plane-px4": 3.0}
 TRANSITION_M = {"ardupilot": 80.0, "px4": 45.0}
@@ -76,6 +77,9 @@ class Circles:
                 off = self.level + abs(self.left_of_climb(out, middle, amsl, 0.0))
                 for up in (-off, off):
                     self.lay(self.flat(out), middle, out.amsl + up, amsl + up)
+        count = math.ceil(rim / BETWEEN_M)
+        for k in range(1, min(count, 20) if not inside else 0):
+            self.lay(self.flat(last), edge + (middle - edge) * k / min(count, 20), last.amsl, amsl)
         if inside:
             for motion in self.motions[first:]:
                 motion.wide = max(motion.wide, rim + 2 * self.turn_radius)

@@ -1,6 +1,7 @@
 //! Segments laid along legs, one after the other in time.
 
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
+use crate::numeric::geometry;
 use crate::world::{NoData, World};
 
 use super::decode::Unknown;
@@ -344,7 +345,7 @@ impl<'a> TrajectoryBuilder<'a> {
             most_m: f64::NEG_INFINITY,
             off_m: 0.0,
         };
-        let count = step_count(from.distance_m(to), EVERY_M);
+        let count = geometry::steps(from.distance_m(to), EVERY_M, (1, u16::MAX));
         for step in 0..=count {
             let u = f64::from(step) / f64::from(count);
             let mix = |a: f64, b: f64| a + (b - a) * u;
@@ -395,16 +396,6 @@ fn no_data(row: usize, gap: NoData) -> Unknown {
         row,
         why: gap.to_string(),
     }
-}
-
-fn step_count(length_m: f64, every_m: f64) -> u32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to a small positive count"
-    )]
-    let count = (length_m / every_m).ceil().clamp(1.0, 1e5) as u32;
-    count
 }
 
 /// In how many parts a parabola is cut so that each is straight to a decimetre.

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, command, turn_radius_m};
+use crate::numeric::geometry;
 use crate::path::{along, climb_out, heading_rad};
 use crate::spec::Autopilot;
 
@@ -26,6 +27,8 @@ const LANDING_M: f64 = 10.0;
 const LEAST_SLOPE_M: f64 = 20.0;
 /// Segments of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
+/// Ways onto a circle that are judged in space end no further apart than this, metres.
+const BETWEEN_M: f64 = 30.0;
 
 impl Pilot<'_> {
     /// Whether a wing turns at a waypoint by its own rule: ArduPlane within the `param2` of the item
@@ -335,6 +338,9 @@ impl Pilot<'_> {
         let speed_mps = rim.speed_mps;
         self.fly_to_last(speed_mps)?;
         self.straight_in(row, from, middle, amsl_m);
+        if away_m > rim_m {
+            self.lay_between(from, &rim, middle);
+        }
         for at in turned {
             let share = share(from.at, middle, at);
             let out = Knot {
@@ -372,6 +378,20 @@ impl Pilot<'_> {
         for up_m in [-off_m, off_m] {
             let ends = (from.point().raised(up_m), to.raised(up_m));
             let segment = Segment::unflown((row, self.phase), (t_s, t_s), ends);
+            self.trajectory.segments.push(segment);
+        }
+    }
+
+    /// The ways between the tangent and the straight way to the middle, to be judged in space: PX4 1.17 flew up
+    /// to 17 m from both.
+    fn lay_between(&mut self, from: Knot, rim: &Knot, middle: EastNorth) {
+        let t_s = self.trajectory.t_s;
+        let inside = Knot { at: middle, ..*rim };
+        let steps = geometry::steps(rim.at.distance_m(middle), BETWEEN_M, (1, 20));
+        for step in 1..steps {
+            let to = (rim.point()).toward(inside.point(), f64::from(step) / f64::from(steps));
+            let ends = (from.point(), to);
+            let segment = Segment::unflown((rim.row, self.phase), (t_s, t_s), ends);
             self.trajectory.segments.push(segment);
         }
     }

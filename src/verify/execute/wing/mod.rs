@@ -24,7 +24,7 @@
 //! its altitude. Its last part is judged as the first of a climb-out.
 //!
 //! **Onto a circle.** Along the tangent, clockwise where the radius `r` is positive, with the altitude of the
-//! circle at its end; in space as well straight to the middle, also 6 m (a plane of PX4: 3 m, its VTOL no such lines), and what is left of the
+//! circle at its end; in space as well to places between that end and the middle, up to 30 m apart, and straight to the middle, also 6 m (a plane of PX4: 3 m, its VTOL no such lines), and what is left of the
 //! climb, above and below the two ends of that line. Of a climb of `c` to a middle at a distance `d` is left `c r /
 //! d`, on the line 0, and the lag of `c` in the time that `speed_mps` takes for `d`, of `climb_mps` at most.
 //! ArduPlane does not follow a leg to a circle, and PX4 may swing off it: the same lines lead to the middle from each place of its way that is more than
