@@ -208,16 +208,17 @@ pub(super) static PLANE: Facts = Facts {
         ..COPTER_ACCEPTANCE
     },
     parameters: &[parameters::PX4_WING],
-    // FW_T_CLMB_MAX, FW_T_SINK_MAX; no parameter has the acceleration of a takeoff run.
+    // FW_T_CLMB_R_SP and FW_T_SINK_R_SP: with what it changes its altitude on a mission, whatever the greatest are (1.17
+    // climbed at 3 of 5 m/s); no parameter has the acceleration of a takeoff run.
     defaults: Defaults {
         cruise_parameter: "FW_AIRSPD_TRIM",
         speed_parameters: [Some("FW_AIRSPD_MIN"), Some("FW_AIRSPD_MAX")],
-        rate_parameters: Some(["FW_T_CLMB_MAX", "FW_T_SINK_MAX"]),
+        rate_parameters: Some(["FW_T_CLMB_R_SP", "FW_T_SINK_R_SP"]),
         motion_parameters: None,
         rotor_parameters: None,
         bank_parameter: Some("FW_R_LIM"),
-        climb_mps: 5.0,
-        descent_mps: 5.0,
+        climb_mps: 3.0,
+        descent_mps: 2.0,
         accel_mps2: 3.0,
     },
     corners: None,
@@ -299,7 +300,7 @@ pub(super) static VTOL: Facts = Facts {
     defaults: Defaults {
         cruise_parameter: "FW_AIRSPD_TRIM",
         speed_parameters: [Some("FW_AIRSPD_MIN"), Some("FW_AIRSPD_MAX")],
-        rate_parameters: Some(["FW_T_CLMB_MAX", "FW_T_SINK_MAX"]),
+        rate_parameters: Some(["FW_T_CLMB_R_SP", "FW_T_SINK_R_SP"]),
         motion_parameters: None,
         rotor_parameters: Some(["MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"]),
         bank_parameter: Some("FW_R_LIM"),

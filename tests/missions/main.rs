@@ -4,6 +4,7 @@
 mod support;
 
 mod airframes;
+mod at_one_place;
 mod commanded_places;
 mod commands_without_spec;
 mod convert_command;

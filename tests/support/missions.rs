@@ -66,6 +66,16 @@ fn stays_armed(autopilot: Autopilot) -> Parameter {
     }
 }
 
+/// With posts so close that an autopilot follows the ground itself.
+pub fn with_close_posts(mut mission: VehicleMission) -> VehicleMission {
+    mission.params.push(Parameter {
+        name: "TERRAIN_SPACING".to_owned(),
+        value: 0.5,
+        why: String::new(),
+    });
+    mission
+}
+
 pub fn mission(vehicle: &Vehicle, home_m: f64, items: Vec<Item>) -> VehicleMission {
     VehicleMission {
         autopilot_version: None,

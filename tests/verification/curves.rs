@@ -3,7 +3,7 @@
 
 use crate::support;
 use crate::support::missions;
-use missions::{GROUND_M, at, land, mission, takeoff, waypoint};
+use missions::{GROUND_M, at, land, mission, takeoff, waypoint, with_close_posts};
 use sortie::geodesy::{Amsl, EastNorth, LatLon};
 use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
 use sortie::spec::*;
@@ -410,7 +410,7 @@ fn hilly(items: &[Item]) -> (MissionSpec, VehicleMission) {
             radius_m: 150.0,
         }],
     };
-    (spec, mission)
+    (spec, with_close_posts(mission))
 }
 
 /// `ModeAuto::shift_alt_to_current_alt`: the altitude that it has, above what the frame of the item is

@@ -7,7 +7,9 @@
 
 use crate::support::missions;
 use crate::support::{self, threat};
-use missions::{GROUND_M, at, delay, land, level, mission, speed, takeoff, waypoint};
+use missions::{
+    GROUND_M, at, delay, land, level, mission, speed, takeoff, waypoint, with_close_posts,
+};
 use sortie::geodesy::{AboveHome, Agl, Amsl, LatLon, PlanPoint};
 use sortie::mission::{Home, Item, VehicleMission, build, command, frame};
 use sortie::path::TimedPoint;
@@ -452,7 +454,7 @@ fn one_path_in_four_references_has_one_clearance() {
             ));
         }
         items.push(land(east()));
-        mission(&vehicle, home_m, items)
+        with_close_posts(mission(&vehicle, home_m, items))
     };
     let above_ground = |place: LatLon, amsl_m: f64| amsl_m - world.terrain.height(place).unwrap().0;
     let above_home = |_: LatLon, amsl_m: f64| Amsl(amsl_m).above_home(Amsl(home_m)).0;

@@ -92,6 +92,12 @@ class Ground:
                 below, above = np.maximum(below, here - posts), np.maximum(above, posts - here)
         return below, above
 
+    def followed_apart(self, lat, lon, home, spacing, most=30.0):
+        """The same of a surface that is moved so that it is on the ground at home, by no more than `most` (TERRAIN_OFS_MAX)."""
+        below, above = self.posts_apart(lat, lon, spacing)
+        at_home = [min(float(off), most) for off in self.posts_apart(*home, spacing)]
+        return below + at_home[1], above + at_home[0]
+
     def height(self, lat, lon):
         row = (self.north - np.asarray(lat)) / self.step[1]
         column = (np.asarray(lon) - self.west) / self.step[0]

@@ -210,6 +210,9 @@ class Flight:
         elif abs(knot.amsl - last.amsl) > SAME_M:
             self.stop()
             self.lift(knot.amsl, judged=True)
+        elif type(self) is Flight:
+            # A copter stops at a waypoint that is there twice.
+            self.stop()
 
     def lift(self, amsl, judged=False, rate=None):
         last = self.knots[-1]

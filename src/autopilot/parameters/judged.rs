@@ -9,6 +9,10 @@ pub enum Judged {
     Is(i32),
     /// 0 to this.
     UpTo(f64),
+    /// At least this.
+    AtLeast(f64),
+    /// 0, or at least this.
+    ZeroOr(f64),
     /// Below 0.
     Negative,
     /// Any but this whole number.
@@ -25,6 +29,8 @@ impl Judged {
             Self::Is(whole) => (value - f64::from(whole)).abs() < 1e-6,
             Self::IsNot(whole) => (value - f64::from(whole)).abs() >= 0.5,
             Self::UpTo(most) => (0.0..=most).contains(&value),
+            Self::AtLeast(least) => value >= least,
+            Self::ZeroOr(least) => value.abs() < 1e-6 || value >= least,
             Self::Negative => value < 0.0,
             Self::Without(bits) => (0..32).all(|bit| {
                 let weight = f64::from(1_u32 << bit);
@@ -40,6 +46,8 @@ impl fmt::Display for Judged {
             Self::Is(whole) => write!(f, "{whole}"),
             Self::IsNot(whole) => write!(f, "not {whole}"),
             Self::UpTo(most) => write!(f, "0 to {most}"),
+            Self::AtLeast(least) => write!(f, "at least {least}"),
+            Self::ZeroOr(least) => write!(f, "0, or at least {least}"),
             Self::Negative => f.write_str("below 0"),
             Self::Without(bits) => write!(f, "without the bits of {bits}"),
         }
@@ -54,6 +62,9 @@ const UNSET: Judged = Judged::Negative;
 /// `PSC_ANGLE_MAX` limits the lean below `ANGLE_MAX`; with `OA_TYPE` it stops at waypoints and goes around.
 pub(in crate::autopilot) const COPTER_JUDGED: &[(&str, Judged)] =
     &[("PSC_ANGLE_MAX", OFF), ("OA_TYPE", OFF)];
+/// Without these it cannot hold the climb of `TECS_CLMB_MAX`: with `TECS_PITCH_MAX` 8 one flew 100 m below its line (ArduPlane
+/// 4.7.0-beta1; 0 is that of `PTCH_LIM_MAX_DEG`); with `THR_MAX` 50 it held its slope.
+const PITCH_DEG: Judged = Judged::AtLeast(15.0);
 /// `IMMEDIATE_CLIMB_IN_AUTO` (bit 14); in wind a ground speed that is held, up and down in thermals. Without an airspeed
 /// sensor, or with one that counts only at zero throttle (`ARSPD_USE` 2), `AP_TECS::_update_speed` takes its speed to be
 /// the one that it should have, and the throttle alone decides how fast it flies.
@@ -65,6 +76,10 @@ pub(in crate::autopilot) const PLANE_JUDGED: &[(&str, Judged)] = &[
     ("ARSPD_ENABLE", ON),
     ("ARSPD_TYPE", Judged::IsNot(0)),
     ("ARSPD_USE", ON),
+    ("TECS_PITCH_MAX", Judged::ZeroOr(15.0)),
+    ("PTCH_LIM_MAX_DEG", PITCH_DEG),
+    ("THR_MAX", Judged::AtLeast(50.0)),
+    ("Q_ENABLE", OFF),
 ];
 /// Those of `Q_OPTIONS` for an approach on the wing (bit 4) and altitudes of takeoffs (bit 3).
 pub(in crate::autopilot) const QUADPLANE_JUDGED: &[(&str, Judged)] = &[
@@ -75,6 +90,9 @@ pub(in crate::autopilot) const QUADPLANE_JUDGED: &[(&str, Judged)] = &[
     ("ARSPD_ENABLE", ON),
     ("ARSPD_TYPE", Judged::IsNot(0)),
     ("ARSPD_USE", ON),
+    ("TECS_PITCH_MAX", Judged::ZeroOr(15.0)),
+    ("PTCH_LIM_MAX_DEG", PITCH_DEG),
+    ("THR_MAX", Judged::AtLeast(50.0)),
     ("Q_OPTIONS", Judged::Without(1 << 3 | 1 << 4)),
     ("Q_ENABLE", ON),
 ];

@@ -64,7 +64,7 @@ pub(crate) fn fly(
         vehicle,
         rotors,
         world,
-        trajectory: TrajectoryBuilder::new(world, posts_m(mission)),
+        trajectory: TrajectoryBuilder::new(world, home.at, posts_m(mission)),
         stations,
         tolerance_m: spec.mission.tolerance_m,
         drops: world.drops(spec, vehicle, stations),
@@ -92,6 +92,7 @@ pub(crate) fn fly(
         early_m: altitude_lag::early_m(vehicle, mission),
         circle_m: None,
         tangent: None,
+        is_doubled: false,
         hull: None,
     };
     pilot.depart(mission);
@@ -161,6 +162,9 @@ pub(crate) struct Pilot<'a> {
     circle_m: Option<f64>,
     /// The tangent at the end of the spline that it comes from, if it does not stop there.
     tangent: Option<Vector3<f64>>,
+    /// Whether the last place that it was ordered to is the one before that: the leg there has no direction, or
+    /// one up or down.
+    is_doubled: bool,
     /// The circle that it leaves, until it goes on from there.
     pub(crate) hull: Option<Hull>,
 }
@@ -410,6 +414,11 @@ impl Pilot<'_> {
         if changes_kind && self.vehicle.facts().stops.between_altitude_kinds {
             self.stop()?;
         }
+        self.is_doubled = at.distance_m(self.last().at) <= SAME_PLACE_M;
+        if self.is_doubled && self.phase == Phase::Route && self.vehicle.airframe.has_wing() {
+            let why = "a second waypoint at the place of the one before: a wing can neither stop nor climb there";
+            return Unknown::err(row, why);
+        }
         self.append(knot)?;
         self.phase_in();
         Ok(())
@@ -437,8 +446,9 @@ impl Pilot<'_> {
             self.stop()?;
             self.climb(knot.row, knot.amsl_m);
             self.mark();
-        } else if knot.phase == Phase::Join {
-            // A waypoint at the place of the takeoff: the route begins here.
+        } else if knot.phase == Phase::Join || !self.vehicle.airframe.has_wing() {
+            // At the place of the takeoff the route begins; copters of both autopilots stop at a waypoint that is
+            // there twice.
             self.stop()?;
             self.mark();
         }

@@ -6,7 +6,7 @@ use crate::world::{NoData, World};
 
 use super::decode::Unknown;
 use super::legs::{Knot, Piece, Shape};
-use crate::verify::measure::posts::apart;
+use crate::verify::measure::posts::{Apart, apart};
 use crate::verify::measure::segment::{Column, Followed, Phase, Segment, stretches};
 use crate::verify::measure::surface::Surface;
 
@@ -15,6 +15,9 @@ const CHORD_ERROR_M: f64 = 0.02;
 
 /// The surface that an autopilot follows is compared with the ground at places so far apart, metres.
 const EVERY_M: f64 = 2.0;
+
+/// `TERRAIN_OFS_MAX`: by more the surface is not moved at home, metres (`AP_Terrain::update_reference_offset`).
+const OFFSET_M: f64 = 30.0;
 
 /// Most segments of a mission, so that jumps around long circles cannot take all of the memory: 300 000 take some 130 MB.
 const MAX_SEGMENTS: usize = 300_000;
@@ -25,6 +28,8 @@ pub(crate) struct TrajectoryBuilder<'a> {
     surface: Surface<'a>,
     /// Between the posts of the surface that the autopilot follows, metres.
     posts_m: f64,
+    /// How far that may be from the ground at home: the autopilot moves all of it by as much.
+    at_home: Apart,
     pub(crate) segments: Vec<Segment>,
     pub(crate) t_s: f64,
     /// By how much the vehicle may be late, for the stops so far, seconds.
@@ -86,10 +91,12 @@ impl AltitudeLine {
 }
 
 impl<'a> TrajectoryBuilder<'a> {
-    pub(crate) fn new(world: &'a World, posts_m: f64) -> Self {
+    pub(crate) fn new(world: &'a World, home: EastNorth, posts_m: f64) -> Self {
+        let at_home = apart(&world.terrain, world.frame.from_plan(home), posts_m);
         Self {
             frame: &world.frame,
             posts_m,
+            at_home: at_home.within(OFFSET_M),
             surface: Surface::new(&world.terrain),
             segments: Vec::new(),
             t_s: 0.0,
@@ -354,7 +361,7 @@ impl<'a> TrajectoryBuilder<'a> {
                 north_m: mix(from.north_m, to.north_m),
             };
             let place = self.frame.from_plan(at);
-            let apart = apart(self.surface.terrain(), place, self.posts_m);
+            let apart = apart(self.surface.terrain(), place, self.posts_m).moved(self.at_home);
             let over_m = mix(agl_m.0, agl_m.1);
             all.least_m = all.least_m.min(over_m - apart.below_m);
             all.most_m = all.most_m.max(over_m + apart.above_m);

@@ -15,6 +15,22 @@ pub(crate) struct Apart {
 }
 
 impl Apart {
+    /// Neither by more than this, metres.
+    pub(crate) fn within(self, most_m: f64) -> Self {
+        Self {
+            below_m: self.below_m.min(most_m),
+            above_m: self.above_m.min(most_m),
+        }
+    }
+
+    /// The same where all of the surface is moved so that it is on the ground at home.
+    pub(crate) fn moved(self, at_home: Self) -> Self {
+        Self {
+            below_m: self.below_m + at_home.above_m,
+            above_m: self.above_m + at_home.below_m,
+        }
+    }
+
     pub(crate) fn most_m(self) -> f64 {
         self.below_m.max(self.above_m)
     }

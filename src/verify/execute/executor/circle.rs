@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use super::Pilot;
-use crate::autopilot::parameter;
+use crate::autopilot::{Version, parameter};
 use crate::geodesy::{EastNorth, LatLon};
 use crate::mission::VehicleMission;
 use crate::path::stop_late_s;
@@ -36,6 +36,10 @@ struct Orbit {
     /// Where it begins, radians counter-clockwise from east.
     begin_rad: f64,
 }
+
+/// Since 4.7 the nearest place of a circle is taken from the distance seen from above
+/// (`AC_Circle::get_closest_point_on_circle_NED_m`).
+const LEVEL_SINCE: Version = Version { major: 4, minor: 7 };
 
 impl Orbit {
     /// The place after a turn by an angle.
@@ -73,13 +77,25 @@ impl Pilot<'_> {
         if radius_m.abs() < 1.0 {
             return Unknown::err(row, "a circle without a radius turns on the spot");
         }
-        // The distance to the middle is taken in space, and so the place can be inside of the circle.
-        let space_m = away_m.hypot(from.amsl_m - amsl_m);
-        let mix = |a: f64, b: f64| b + (a - b) * (radius_m.abs() / space_m);
-        let edge = EastNorth {
-            east_m: mix(from.at.east_m, middle.east_m),
-            north_m: mix(from.at.north_m, middle.north_m),
+        let reaches = |far_m: f64| {
+            let mix = |a: f64, b: f64| b + (a - b) * (radius_m.abs() / far_m);
+            EastNorth {
+                east_m: mix(from.at.east_m, middle.east_m),
+                north_m: mix(from.at.north_m, middle.north_m),
+            }
         };
+        // Before 4.7 the distance to the middle is taken in space, and so the place can be inside of the circle.
+        let version = mission.autopilot_version;
+        let space_m = away_m.hypot(from.amsl_m - amsl_m);
+        let is_level = version.is_some_and(|version| version >= LEVEL_SINCE);
+        let edge = reaches(if is_level { away_m } else { space_m });
+        if version.is_none() && agl_m.is_none() {
+            let on_rim = self.knot(row, reaches(away_m), amsl_m, agl_m);
+            let t_s = self.trajectory.t_s;
+            let ends = (from.point(), on_rim.point());
+            let segment = Segment::unflown((row, self.phase), (t_s, t_s), ends);
+            self.trajectory.segments.push(segment);
+        }
         let knot = self.knot(row, edge, amsl_m, agl_m);
         self.append(knot)?;
         self.stop()?;

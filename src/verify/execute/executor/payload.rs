@@ -41,6 +41,7 @@ impl Pilot<'_> {
         let bottom_m = most_m.map_or(ground_m, |most_m| ground_m.max(top_m - most_m));
         let began_s = (self.trajectory.t_s, self.trajectory.late_s);
         let slow_mps = self.descent.slow_mps;
+        let release_s = RELEASE_S + mission.param("PLDP_DELAY").unwrap_or(0.0).max(0.0);
         match placing_mps(mission) {
             Some(own_mps) => {
                 let down_mps = if own_mps > 0.0 { own_mps } else { slow_mps };
@@ -49,7 +50,7 @@ impl Pilot<'_> {
                 self.trajectory.straight(
                     (row, self.phase),
                     (below, below),
-                    RELEASE_S,
+                    release_s,
                     Some(Column::Ground),
                 );
             }
@@ -57,7 +58,7 @@ impl Pilot<'_> {
             None => {
                 let down_mps = self.vehicle.descent_mps;
                 let slower_s = (top_m - bottom_m) * (1.0 / slow_mps - 1.0 / down_mps);
-                self.trajectory.late_s += slower_s + RELEASE_S;
+                self.trajectory.late_s += slower_s + release_s;
                 self.lift(row, bottom_m, down_mps, Some(Column::Ground));
             }
         }

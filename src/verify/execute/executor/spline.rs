@@ -123,6 +123,12 @@ impl Pilot<'_> {
         (next, mission): (&After<'_>, &VehicleMission),
     ) -> Result<(), Unknown> {
         let row = target.0;
+        if self.is_doubled {
+            // It would begin in the direction of the leg between the two (`AC_WPNav::set_spline_destination_NED_m`).
+            let why =
+                "a spline after two waypoints at one place: its beginning has no known direction";
+            return Unknown::err(row, why);
+        }
         let Some(ends) = self.spline_ends(target, hold_s.is_some(), (next, mission))? else {
             // A waypoint where the vehicle is already.
             self.stop()?;
