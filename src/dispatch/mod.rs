@@ -4,7 +4,7 @@ mod anytime;
 mod budgets;
 mod crowd;
 mod deconfliction;
-mod freedoms;
+mod degrees_of_freedom;
 mod remaining;
 mod rounds;
 mod tighten;
@@ -300,11 +300,13 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
 fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
     let found = with_nested_budgets(job);
     let count = job.spec.vehicles.len();
-    if count > crowd::MOST || count > freedoms::ALWAYS && freedoms::nobody_pays(job.spec, &found) {
+    if count > crowd::MOST
+        || count > degrees_of_freedom::ALWAYS && degrees_of_freedom::nobody_pays(job.spec, &found)
+    {
         return found;
     }
     let mut best = found;
-    for spec in freedoms::with_fewer(job.spec).iter().skip(1) {
+    for spec in degrees_of_freedom::with_fewer(job.spec).iter().skip(1) {
         if job.run.is_cancelled() {
             break;
         }
@@ -370,7 +372,7 @@ fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     }
     let (judged_spec, judged_world) = job.judged;
     let mut reviewer = Reviewer::new(judged_spec, judged_world);
-    let specs = freedoms::with_fewer(spec);
+    let specs = degrees_of_freedom::with_fewer(spec);
     let plans = deconfliction::resolved(&specs, world, run.seed, &alone).into_iter();
     let mut best: Option<Dispatched> = None;
     for plan in plans {

@@ -4,17 +4,16 @@
 //! that apply them to a mission are in `accept`.
 
 mod accept;
-mod as_set;
 mod build;
 mod descent;
 mod item;
+mod parameter_overrides;
 mod params;
 
 pub use crate::autopilot::{command, command_name, command_named, frame};
 pub use accept::differences::read_differently;
 pub(crate) use accept::param_fence::Fence as ParamFence;
 pub use accept::{AcceptanceProblem, List, problems, problems_in_flight};
-pub use as_set::{as_set, as_set_on_rotors, rate_parameters};
 pub use build::encode::home_at;
 pub use build::fence::{FENCE_REACH_S, fence_needs, fence_pieces};
 pub use build::wing::landing_course_note;
@@ -22,6 +21,7 @@ pub use build::{MissionError, build, build_course};
 pub use descent::Descent;
 pub(crate) use item::value_si_of;
 pub use item::{Home, Item, Parameter, VehicleMission};
+pub use parameter_overrides::{as_set, as_set_on_rotors, rate_parameters};
 pub use params::{
     acceptance_m, corner_accel_mps2, corner_cut_m, cruise_speed_mps, is_lean_limit, jerk_mps3,
     lean_limit_deg, parameters, placing_mps, turn_radius_m, within_speeds_mps,

@@ -2,9 +2,9 @@
 
 pub mod angle;
 pub mod approach;
+pub mod barrier;
 pub mod bspline;
 pub mod cells;
-pub mod chains;
 pub mod digits;
 pub mod free_space;
 pub mod geometry;

@@ -1,7 +1,7 @@
 //! Optimisers over the unit cube, independent of what is optimised.
 
 mod abc;
-mod adapted;
+mod cma_es;
 mod de;
 mod evaluator;
 mod fly;

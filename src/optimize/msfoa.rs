@@ -8,7 +8,7 @@
 //!
 //! Beyond it, as measured: swarms begin in given seeds instead of anywhere; local
 //! steps are drawn from a distribution that each swarm adapts to what it smells
-//! (`adapted`); at first, and when a swarm begins again, limits are cheap to break, so
+//! (`cma_es`); at first, and when a swarm begins again, limits are cheap to break, so
 //! that swarms get from one good path to another (`Problem::relaxed`); swarms race, so
 //! that the budget goes to the promising ones; one that gains nothing any more begins
 //! again elsewhere; an offspring takes the first variables from one swarm and the rest
@@ -23,7 +23,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::adapted::Adapted;
+use super::cma_es::Adapted;
 use super::{Candidate, Evaluator, Problem, Redraw, SearchSeeds};
 use race::{drop_the_slow, survivors};
 use swarm::{Flight, Swarm};

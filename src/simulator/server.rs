@@ -1,7 +1,7 @@
 //! A simulated vehicle as its radio hears it, sans-IO: missions, commands, telemetry.
 
 mod command;
-mod give;
+mod download;
 mod receive;
 mod telemetry;
 

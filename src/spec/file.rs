@@ -1,6 +1,6 @@
 //! A spec file: read, parsed and checked, with its text for messages and copies.
 
-pub(super) mod known;
+pub(super) mod partial;
 pub(super) mod structure;
 
 use std::io::Read;
@@ -15,7 +15,7 @@ use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::text::{open_regular, timestamp};
-use known::{Incomplete, Known};
+use partial::{Incomplete, Known};
 use structure::{KeysRead, Unknown};
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
@@ -162,7 +162,7 @@ impl SpecFile {
                     sites: checked.sites,
                     unknown,
                 });
-                Err(known::incomplete(path, issues, known))
+                Err(partial::incomplete(path, issues, known))
             }
         }
     }

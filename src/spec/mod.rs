@@ -44,7 +44,7 @@ pub use crate::autopilot::{Airframe, Autopilot};
 pub(crate) use airspace::dome_of;
 pub use airspace::{AttachedFile, Survey, Zone};
 pub use builder::Builder;
-pub use file::known::{Incomplete, Known, KnownPlace, PlaceKind};
+pub use file::partial::{Incomplete, Known, KnownPlace, PlaceKind};
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use keys::{Action, AlarmKind, Answer, OnAlarm, Pattern, Who};

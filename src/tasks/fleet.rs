@@ -7,11 +7,11 @@
 mod estimate;
 mod expand;
 mod in_time;
-mod learn;
-mod why;
+mod route_estimates;
+mod unassigned;
 
 use in_time::InTime;
-use learn::Trial;
+use route_estimates::Trial;
 
 use super::areas::{Layout, SweepLine, lay_out};
 use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Visit};

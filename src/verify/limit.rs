@@ -15,7 +15,7 @@
 //!    and in `flight/conformance/` for flown tracks. Where the flight model changes, its text in `verify/mod.rs` and
 //!    `tools/check_missions.py`.
 //! 4. In flight: a live alarm, where one is due, in `flight/alarms/`, and the way of a return in
-//!    `flight/alarms/clear.rs`. Where a path may fail for it: `plan/diagnosis/`.
+//!    `flight/alarms/order_safety.rs`. Where a path may fail for it: `plan/diagnosis/`.
 //! 5. Its key (see [`crate::spec`]), and a term in `cost/` if planning respects it.
 
 use crate::spec::Buffers;

@@ -1,6 +1,6 @@
 //! A vehicle that takes off before its time, or not by its time: separation was proven for its departure as planned.
 
-use super::tube::{LATE_ERROR_S, assumed_late_s};
+use super::corridor::{LATE_ERROR_S, assumed_late_s};
 use super::{Alarms, Here, STALE_S, Watched};
 use crate::path::takeoff_lateness_s;
 use crate::spec::AlarmKind;

@@ -1,7 +1,7 @@
 //! Distances of vehicles: measured, and predicted from what each of them flies now.
 
 use super::breach::{Depth, error_m};
-use super::tube::assumed_late_s;
+use super::corridor::assumed_late_s;
 use super::{Alarms, Here, Watched};
 use crate::numeric::approach::{Segment, closest_approach, least_ratio};
 use crate::path::{Departing, takeoff_shift_s, with_stops_s};

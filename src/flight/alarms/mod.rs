@@ -6,18 +6,18 @@
 //! when its cause has been gone for some seconds.
 
 mod breach;
-pub(super) mod clear;
+mod corridor;
 mod departure;
 mod future;
 mod health;
 mod motion;
 mod onboard;
+pub(super) mod order_safety;
 mod reports;
 mod skips;
 mod standing;
 #[cfg(test)]
 mod tests;
-mod tube;
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -31,13 +31,13 @@ use crate::numeric::approach::Segment;
 use crate::spec::{AlarmKind, MissionSpec, Threat, Vehicle};
 use crate::world::{Disc, World};
 use breach::Breaches;
+use corridor::TubeWatch;
 use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
 use onboard::changes::Changes;
 use skips::Skips;
 use standing::{Key, Standing};
-use tube::TubeWatch;
 
 /// A position that is older than this is stale: seconds of flight, and of the wall's clock.
 const STALE_S: f64 = 1.5;

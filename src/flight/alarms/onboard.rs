@@ -1,7 +1,7 @@
 //! What is on board, and in which mode: changed by whom.
 
 pub(super) mod changes;
-mod elsewhere;
+mod return_targets;
 mod settings;
 
 use crate::flight::record::Plan;
@@ -10,7 +10,7 @@ use crate::link::{
     Address, Command, CommandResult, FlightMessage, Heartbeat, List, Message, as_line,
 };
 use crate::mission::{Home, VehicleMission};
-use elsewhere::Elsewhere;
+use return_targets::Elsewhere;
 use settings::Settings;
 
 /// `MAV_STATE_CRITICAL`: from here on the autopilot acts in an emergency.

@@ -5,15 +5,15 @@
 //! mission, and the new mission holds the waypoints before that too: wherever the vehicle takes
 //! the mission over, it goes on.
 
+mod activity;
 mod assessment;
 mod diversions;
 mod document;
-mod doing;
 mod in_column;
 mod joint_plan;
-mod near;
 mod new_mission;
 mod observation;
+mod path_distance;
 mod state;
 
 use std::collections::BTreeMap;
@@ -28,10 +28,10 @@ use crate::spec::{Airframe, Link, MissionSpec, Threat, Vehicle};
 use crate::verify::Review;
 use crate::world::Disc;
 
+pub use activity::Doing;
 use assessment::{Assessment, NoPath};
 pub use assessment::{Unavoidable, sentence};
 pub use document::{document, failure_document};
-pub use doing::Doing;
 use joint_plan::{Replanned, replan};
 pub use new_mission::NewMission;
 use observation::{Observation, Observer};

@@ -1,9 +1,9 @@
 //! The state of a vehicle in flight: what it holds, where it is, what it has ahead.
 
-use super::doing::Doing;
+use super::activity::Doing;
 use super::in_column::{InColumn, puts_down};
-use super::near::comes_near;
 use super::observation::ObservedVehicle;
+use super::path_distance::comes_near;
 use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::itinerary::rows::left_of;
 use crate::flight::itinerary::stops::Service;

@@ -10,5 +10,5 @@ pub(super) mod onboard;
 pub(super) mod order;
 pub(super) mod report;
 pub(super) mod session;
-pub(super) mod task;
+pub(super) mod state_machine;
 pub(super) mod upload;

@@ -1,6 +1,6 @@
 //! Reads everything that one vehicle holds: discovery, then fence, rally and mission, then whether they are so still.
 
-mod again;
+mod reread;
 
 use std::collections::VecDeque;
 

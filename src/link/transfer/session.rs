@@ -19,7 +19,7 @@ use super::discovery::{Discovered, Discovery, is_ready};
 use super::identity;
 use super::order::Order;
 use super::report::{Failure, TransferReport, Verdict};
-use super::task::Task;
+use super::state_machine::Task;
 use crate::geodesy::LatLon;
 use crate::link::codec::Version;
 use crate::link::message::flight::{Command, FlightMessage};

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{MsfoaParameters, SearchSeed};
 use crate::optimize::Candidate;
-use crate::optimize::adapted::{Adapted, Draw};
+use crate::optimize::cma_es::{Adapted, Draw};
 
 /// Evaluations of one swarm without gain after which it begins again.
 const PATIENCE: usize = 700;

@@ -3,7 +3,7 @@
 use geo::Polygon;
 
 use crate::geodesy::{Agl, EastNorth};
-use crate::numeric::chains::{Capsule, Chains};
+use crate::numeric::barrier::{Capsule, Chains};
 use crate::numeric::geometry::Point;
 use crate::spec::{MissionSpec, Placement};
 use crate::world::{Ground, PlanZone, World};

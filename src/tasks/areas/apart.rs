@@ -1,6 +1,6 @@
 //! Where neighbouring lines, or pictures, are further apart than their overlap allows.
 
-use super::seen::{Cells, Leg, MAX_ABOVE, Pass};
+use super::coverage::{Cells, Leg, MAX_ABOVE, Pass};
 use crate::geodesy::EastNorth;
 use crate::spec::Sensor;
 

@@ -2,9 +2,9 @@
 
 use geo::Polygon;
 
+use super::coverage::{Cells, Pass, seen_by};
 use super::line::{Spacing, SweepLine};
 use super::profile::{Sampled, lifted};
-use super::seen::{Cells, Pass, seen_by};
 use super::{corridor, survey};
 use crate::geodesy::EastNorth;
 use crate::spec::{Sensor, Sweep, SweepShape};

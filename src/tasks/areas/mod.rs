@@ -3,14 +3,14 @@
 
 mod apart;
 mod corridor;
+mod coverage;
 mod layout;
 mod line;
 mod profile;
-mod seen;
 mod survey;
 
 pub use apart::far_apart;
+pub use coverage::{Cell, Cells, Gap, Pass, gaps, seen_by};
 pub use layout::{Layout, lay_out};
 pub use line::SweepLine;
 pub(super) use profile::{Sampled, lifted};
-pub use seen::{Cell, Cells, Gap, Pass, gaps, seen_by};

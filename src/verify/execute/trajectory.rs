@@ -6,9 +6,9 @@ use crate::world::{NoData, World};
 
 use super::decode::Unknown;
 use super::legs::{Knot, Piece, Shape};
-use crate::verify::measure::posts::{Apart, apart};
 use crate::verify::measure::segment::{Column, Followed, Phase, Segment, stretches};
 use crate::verify::measure::surface::Surface;
+use crate::verify::measure::terrain_posts::{Apart, apart};
 
 /// A curved or accelerated piece is cut into segments that are never further off than this.
 const CHORD_ERROR_M: f64 = 0.02;

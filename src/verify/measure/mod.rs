@@ -3,8 +3,8 @@
 pub(super) mod hills;
 pub(super) mod outline;
 pub(super) mod patch;
-pub(super) mod posts;
 pub(super) mod segment;
 pub(super) mod surface;
+pub(super) mod terrain_posts;
 pub(super) mod timeline;
 pub(super) mod worst;

@@ -1,8 +1,8 @@
 //! New paths and the ways of those that return meanwhile: how fast an autopilot returns is not known.
 
 use super::JointPlan;
-use crate::flight::alarms::clear::{least_m, off_s, way_of_return};
-use crate::flight::replan::doing::Doing;
+use crate::flight::alarms::order_safety::{least_m, off_s, way_of_return};
+use crate::flight::replan::activity::Doing;
 use crate::flight::replan::state::VehicleState;
 use crate::geodesy::PlanPoint;
 use crate::numeric::approach::Segment;

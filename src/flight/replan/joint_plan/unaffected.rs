@@ -1,7 +1,7 @@
 //! Vehicles that keep their present path, or their position, in the joint plan.
 
 use super::JointPlan;
-use crate::flight::replan::doing::Doing;
+use crate::flight::replan::activity::Doing;
 use crate::flight::replan::state::VehicleState;
 use crate::geodesy::PlanPoint;
 use crate::mission::{Item, VehicleMission, command};

@@ -1,6 +1,6 @@
 //! Whether a vehicle holds or lands as ordered: by its mode and by its positions. A copter must be
 //! in the mode with its mean position at rest (`arrival.rs`), a wing must fly one full circle in
-//! the mode (`orbit.rs`). Whether an alarm may order one is judged before (`alarms/clear.rs`), and from the
+//! the mode (`orbit.rs`). Whether an alarm may order one is judged before (`alarms/order_safety.rs`), and from the
 //! record after the flight (`conformance/`).
 
 use super::obeying::Headway;

@@ -7,7 +7,7 @@ use crate::link::message::{Body, MissionResult};
 use crate::link::time::Time;
 use crate::link::transfer::identity;
 use crate::link::transfer::report::{TransferReport, Verdict, hash};
-use crate::link::transfer::task::Task;
+use crate::link::transfer::state_machine::Task;
 
 impl Session<'_> {
     fn description(&self) -> String {

@@ -10,7 +10,7 @@ use crate::link::time::Time;
 use crate::link::transfer::discovery::Discovery;
 use crate::link::transfer::download::Download;
 use crate::link::transfer::report::{Failure, Verdict};
-use crate::link::transfer::task::Task;
+use crate::link::transfer::state_machine::Task;
 
 /// Items that are requested at once of a vehicle that gives them in any order.
 const WINDOW: usize = 8;

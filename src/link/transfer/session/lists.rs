@@ -8,7 +8,7 @@ use crate::link::transfer::clear::Clear;
 use crate::link::transfer::download::DownloadError;
 use crate::link::transfer::expected::Expected;
 use crate::link::transfer::report::{Failure, Verdict};
-use crate::link::transfer::task::{Ended, Task};
+use crate::link::transfer::state_machine::{Ended, Task};
 use crate::link::transfer::upload::{Sent, Upload, UploadError};
 use crate::mission::Item;
 use crate::spec::Autopilot;

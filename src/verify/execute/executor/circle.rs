@@ -77,25 +77,7 @@ impl Pilot<'_> {
         if radius_m.abs() < 1.0 {
             return Unknown::err(row, "a circle without a radius turns on the spot");
         }
-        let reaches = |far_m: f64| {
-            let mix = |a: f64, b: f64| b + (a - b) * (radius_m.abs() / far_m);
-            EastNorth {
-                east_m: mix(from.at.east_m, middle.east_m),
-                north_m: mix(from.at.north_m, middle.north_m),
-            }
-        };
-        // Before 4.7 the distance to the middle is taken in space, and so the place can be inside of the circle.
-        let version = mission.autopilot_version;
-        let space_m = away_m.hypot(from.amsl_m - amsl_m);
-        let is_level = version.is_some_and(|version| version >= LEVEL_SINCE);
-        let edge = reaches(if is_level { away_m } else { space_m });
-        if version.is_none() && agl_m.is_none() {
-            let on_rim = self.knot(row, reaches(away_m), amsl_m, agl_m);
-            let t_s = self.trajectory.t_s;
-            let ends = (from.point(), on_rim.point());
-            let segment = Segment::unflown((row, self.phase), (t_s, t_s), ends);
-            self.trajectory.segments.push(segment);
-        }
+        let edge = self.circle_edge((row, middle, radius_m.abs()), (amsl_m, agl_m), mission);
         let knot = self.knot(row, edge, amsl_m, agl_m);
         self.append(knot)?;
         self.stop()?;
@@ -121,6 +103,38 @@ impl Pilot<'_> {
         self.circle_m = Some(radius_m.abs());
         self.phase_in();
         Ok(())
+    }
+
+    /// The place of a circle that it flies to. Before 4.7 the distance to the middle is taken in space, and so that can be
+    /// inside of the circle. Of no known version the way to the rim is judged as well, in space alone.
+    fn circle_edge(
+        &mut self,
+        (row, middle, radius_m): (usize, EastNorth, f64),
+        (amsl_m, agl_m): (f64, Option<f64>),
+        mission: &VehicleMission,
+    ) -> EastNorth {
+        let from = self.last();
+        let level_m = from.at.distance_m(middle);
+        let space_m = level_m.hypot(from.amsl_m - amsl_m);
+        let within = |far_m: f64| {
+            let mix = |a: f64, b: f64| b + (a - b) * (radius_m / far_m);
+            EastNorth {
+                east_m: mix(from.at.east_m, middle.east_m),
+                north_m: mix(from.at.north_m, middle.north_m),
+            }
+        };
+        let rim = within(level_m);
+        match mission.autopilot_version {
+            Some(version) if version >= LEVEL_SINCE => return rim,
+            None if agl_m.is_none() => {
+                let t_s = self.trajectory.t_s;
+                let ends = (from.point(), self.knot(row, rim, amsl_m, None).point());
+                let segment = Segment::unflown((row, self.phase), (t_s, t_s), ends);
+                self.trajectory.segments.push(segment);
+            }
+            _ => {}
+        }
+        within(space_m)
     }
 
     /// The radius of a circle, that of the circle before or of the parameters where it has none,

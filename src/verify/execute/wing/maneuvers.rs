@@ -338,9 +338,7 @@ impl Pilot<'_> {
         let speed_mps = rim.speed_mps;
         self.fly_to_last(speed_mps)?;
         self.straight_in(row, from, middle, amsl_m);
-        if away_m > rim_m {
-            self.lay_between(from, &rim, middle);
-        }
+        self.lay_between(from, &rim, (middle, rim_m));
         for at in turned {
             let share = share(from.at, middle, at);
             let out = Knot {
@@ -384,10 +382,13 @@ impl Pilot<'_> {
 
     /// The ways between the tangent and the straight way to the middle, to be judged in space: PX4 1.17 flew up
     /// to 17 m from both.
-    fn lay_between(&mut self, from: Knot, rim: &Knot, middle: EastNorth) {
+    fn lay_between(&mut self, from: Knot, rim: &Knot, (middle, rim_m): (EastNorth, f64)) {
         let t_s = self.trajectory.t_s;
         let inside = Knot { at: middle, ..*rim };
-        let steps = geometry::steps(rim.at.distance_m(middle), BETWEEN_M, (1, 20));
+        if from.at.distance_m(middle) <= rim_m {
+            return;
+        }
+        let steps = geometry::steps(rim_m, BETWEEN_M, (1, 20));
         for step in 1..steps {
             let to = (rim.point()).toward(inside.point(), f64::from(step) / f64::from(steps));
             let ends = (from.point(), to);

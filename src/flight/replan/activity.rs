@@ -1,6 +1,6 @@
 //! What a vehicle flies instead of its mission, by its mode: where it holds, lands or returns to.
 
-use crate::flight::alarms::clear::rally_reach_m;
+use crate::flight::alarms::order_safety::rally_reach_m;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::session::modes;
 use crate::geodesy::{Amsl, PlanPoint};
