@@ -328,6 +328,14 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     buffer_m: COPTER_BUFFER_M,
 };
 
+/// On its wing.
+const FASTER_SHARE: Figure = Figure::greatest(&[measured(
+    (0.08, ""),
+    version(4, 7),
+    1,
+    "ArduPlane 4.7.0-beta1, simulated, 5 m/s of wind: 19.4 to 20.0 m/s in turns behind its climb-out, 18.6 m/s planned",
+)]);
+
 pub(super) static ARDUPLANE: Facts = Facts {
     firmware: "ArduPlane",
     support: Support {
@@ -378,12 +386,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     behaviour: Behaviour {
         takeoff_early_s: TAKEOFF_EARLY_S,
         takeoff_late_s: NONE,
-        faster_share: Figure::greatest(&[measured(
-            (0.08, ""),
-            version(4, 7),
-            1,
-            "ArduPlane 4.7.0-beta1, simulated, 5 m/s of wind: 19.4 to 20.0 m/s in turns behind its climb-out, 18.6 m/s planned",
-        )]),
+        faster_share: FASTER_SHARE,
         // It holds the heading, not the course of its takeoff: at its height, 80 m that were to take
         // 20 to 31 s, it was as far downwind as the wind goes in 5.2 to 6.2 s.
         drift_share: Figure::greatest(&[measured(
@@ -428,6 +431,8 @@ pub(super) static QUADPLANE: Facts = Facts {
         ..ARDUCOPTER.defaults
     },
     behaviour: Behaviour {
+        // The same controller of its speed on the wing as a plane: no QuadPlane was measured.
+        faster_share: FASTER_SHARE,
         // The wind carries it along its first leg before that begins: 4.6 s early after 22 s.
         takeoff_early_s: Figure::greatest(&[measured(
             (4.0, "s"),

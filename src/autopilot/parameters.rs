@@ -264,7 +264,6 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("MPC_LAND_SPEED", 0.7, Mps),
     p("MPC_LAND_ALT1", 10.0, M),
     p("MPC_LAND_ALT2", 5.0, M),
-    p("NAV_ACC_RAD", 10.0, M),
     // A waypoint is reached only within this of its altitude.
     p("NAV_MC_ALT_RAD", 0.8, M),
     p("COM_DISARM_PRFLT", 10.0, S),
@@ -311,6 +310,12 @@ pub(super) const PX4_WING: &[ParameterRow] = &[
     int32(p("GF_ACTION", 2.0, Number)),
 ];
 
+/// A copter of PX4, besides those on rotors.
+pub(super) const PX4_COPTER: &[ParameterRow] = &[
+    // `rc.mc_defaults` of every multicopter; `navigator_params.c`, `rc.fw_defaults` and VTOLs have 10.
+    p("NAV_ACC_RAD", 2.0, M),
+];
+
 /// A VTOL of PX4, besides those of rotors and wing.
 pub(super) const PX4_VTOL: &[ParameterRow] = &[p("VT_B_DEC_MSS", 2.0, Mps2)];
 
@@ -318,7 +323,7 @@ pub(super) const PX4_VTOL: &[ParameterRow] = &[p("VT_B_DEC_MSS", 2.0, Mps2)];
 #[must_use]
 pub fn parameter(name: &str) -> Option<&'static ParameterRow> {
     let tables = [
-        ARDUCOPTER, ARDUPLANE, QUADPLANE, PX4_ROTORS, PX4_WING, PX4_VTOL,
+        ARDUCOPTER, ARDUPLANE, QUADPLANE, PX4_ROTORS, PX4_WING, PX4_VTOL, PX4_COPTER,
     ];
     tables.into_iter().flatten().find(|row| row.name == name)
 }

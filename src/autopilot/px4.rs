@@ -165,7 +165,7 @@ pub(super) static COPTER: Facts = Facts {
     acceptance: COPTER_ACCEPTANCE,
     stored: &[stored_form::PX4],
     modes: MODES,
-    parameters: &[parameters::PX4_ROTORS],
+    parameters: &[parameters::PX4_ROTORS, parameters::PX4_COPTER],
     param_fence: parameters::PX4_FENCE,
     landing: Some(parameters::PX4_LANDING),
     returns_with: parameters::PX4_RETURNS,

@@ -337,7 +337,7 @@ fn print_fleet(
             items.map_or("-".to_owned(), |items| items.to_string()),
             table::tightest(review, id, &[Topic::Clearance]),
             table::tightest(review, id, &[Topic::Threat, Topic::Zone]),
-            table::tightest(review, id, &[Topic::Separation]),
+            table::separation(review, id, spec.vehicles.len()),
         ];
         cells.extend((more.iter()).map(|(_, topic)| table::tightest(review, id, &[*topic])));
         cells.extend((dispatched.tasks.iter()).map(|tasks| tasks_of(&tasks.done[index])));

@@ -10,6 +10,7 @@ use super::print::failure::Failure;
 use super::print::table::Rows;
 use crate::link::List;
 use crate::mission;
+use crate::numeric::digits::count;
 use crate::simulator;
 use crate::simulator::{Profile, Running, Simulated, Surroundings, Weather};
 use crate::spec::{SpecFile, Vehicle};
@@ -129,9 +130,12 @@ fn farewell(running: &[Running]) -> String {
     let [mission, fence, rally] =
         List::ALL.map(|list| loaded.iter().map(|one| items(one, list)).sum::<usize>());
     format!(
-        "ended: {} of {} vehicles were loaded, with {mission} mission items, {fence} fence items, {rally} rally points",
+        "ended: {} of {} were loaded, with {}, {}, {}",
         loaded.len(),
-        running.len()
+        count(running.len(), "vehicle"),
+        count(mission, "mission item"),
+        count(fence, "fence item"),
+        count(rally, "rally point")
     )
 }
 

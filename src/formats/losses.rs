@@ -1,6 +1,7 @@
 //! Content that a format cannot hold.
 
 use crate::mission::{Item, VehicleMission, frame};
+use crate::numeric::digits::count;
 
 /// A mission file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,20 +45,24 @@ pub fn losses(mission: &VehicleMission, format: Format) -> Vec<String> {
             let open = mission.items.iter().filter(|item| !numbers(item)).count();
             if open > 0 {
                 lost.push(format!(
-                    "NaN (\"the vehicle's default\") is written as 0 in {open} items"
+                    "NaN (\"the vehicle's default\") is written as 0 in {}",
+                    count(open, "item")
                 ));
             }
             if !mission.fence.is_empty() {
                 lost.push(format!(
-                    "the fence ({} items) is not in it",
-                    mission.fence.len()
+                    "the fence ({}) is not in it",
+                    count(mission.fence.len(), "item")
                 ));
             }
             if !mission.rally.is_empty() {
-                lost.push(format!(
-                    "{} rally points are not in it",
-                    mission.rally.len()
-                ));
+                let verb = if mission.rally.len() == 1 {
+                    "is"
+                } else {
+                    "are"
+                };
+                let points = count(mission.rally.len(), "rally point");
+                lost.push(format!("{points} {verb} not in it"));
             }
             lost.push("it does not say for which autopilot it is".to_owned());
         }

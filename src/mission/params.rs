@@ -122,7 +122,8 @@ pub fn acceptance_m(mission: &VehicleMission, row: usize) -> f64 {
         .map(|item| f64::from(item.params[1]))
         .filter(is_usable);
     let held_m = mission.param_si(name).filter(is_usable);
-    let default_m = parameter(name).map_or(0.0, ParameterRow::default_si);
+    let row = mission.facts().parameter(name).or(parameter(name));
+    let default_m = row.map_or(0.0, ParameterRow::default_si);
     own_m.or(held_m).unwrap_or(default_m)
 }
 

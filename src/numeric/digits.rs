@@ -15,6 +15,13 @@ pub fn plain(value: f64) -> String {
     }
 }
 
+/// How many there are of something: 1 item, 2 items.
+#[must_use]
+pub fn count(number: usize, one: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {one}{plural}")
+}
+
 /// A value that a file or a vehicle holds as a float32, with the digits that it has there: 6.1, not
 /// 6.099999904632568.
 #[must_use]
@@ -42,7 +49,7 @@ pub fn distinct_from(value: f64, limit: f64, digits: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{distinct_from, float32, plain};
+    use super::{count, distinct_from, float32, plain};
 
     #[test]
     fn a_float32_has_the_digits_that_its_file_has() {
@@ -50,6 +57,14 @@ mod tests {
             let held: f32 = text.parse().expect("a number");
             assert_eq!(float32(f64::from(held)), text);
         }
+    }
+
+    #[test]
+    fn one_of_something_is_no_plural() {
+        assert_eq!(
+            [0, 1, 2].map(|n| count(n, "item")),
+            ["0 items", "1 item", "2 items"]
+        );
     }
 
     #[test]

@@ -48,6 +48,8 @@ pub enum Limit {
     Zone(String),
     /// Distance of two vehicles.
     Separation,
+    /// Distance of a landing to a vehicle that stands there, or how long that one is down before.
+    LandingPlace,
     /// Distance to the edge of the area.
     Area,
     /// Distance to the fence of the mission.
@@ -315,6 +317,7 @@ impl Limit {
                 Some(Repair::Separation),
                 Basis::Separation,
             ),
+            Self::LandingPlace => (Other, None, Basis::Separation),
             Self::ClimbAngle => (Other, Some(Repair::Slope), Basis::ClimbAngle),
             Self::DescentAngle => (Other, Some(Repair::Slope), Basis::DescentAngle),
             Self::ClimbSpeed => (Other, Some(Repair::Slope), Basis::ClimbSpeed),
@@ -371,6 +374,7 @@ impl fmt::Display for Limit {
             Self::MaxHeight => "greatest height above ground",
             Self::MinAltitude => "least altitude",
             Self::Separation => "separation",
+            Self::LandingPlace => "landing place",
             Self::Area => "area",
             Self::Fence => "fence",
             Self::FenceComplete => "fence complete",

@@ -62,7 +62,7 @@
 //! those of copters.
 //!
 //! **Corners of copters.** `r` is the acceptance radius: on ArduPilot `WPNAV_RADIUS`, on PX4 that of the
-//! waypoint (`param2`) or else `NAV_ACC_RAD`; of the parameters of the mission, else 2 m and 10 m. `v` is the
+//! waypoint (`param2`) or else `NAV_ACC_RAD`; of the parameters of the mission, else 2 m on both. `v` is the
 //! slower speed of the two legs, `a` is `accel_mps2`, `h = phi / 2`, again at most 89.9 degrees.
 //!
 //! - Where `h` is below 1e-6 there is no arc.
@@ -234,7 +234,7 @@ mod verified;
 pub use judge::{Executed, Judge};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use limits::distant::{distant_from_area, distant_from_home};
-pub use limits::parked::landings_on_parked;
+pub use limits::parked::{Landed, landings, landings_on_parked};
 pub use review::{Reviewer, review};
 pub use verified::{VerifiedSegment, VerifiedTrajectory, verified_trajectories};
 

@@ -17,7 +17,7 @@ use super::execute::flight::Flight;
 use super::execute::home;
 use super::limits::fence::Fence;
 use super::limits::mission::{Contract, coverage, tasks};
-use super::limits::parked::landings_on_parked;
+use super::limits::parked::{Landed, landings, landings_on_parked};
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::segment::Segment;
@@ -118,8 +118,10 @@ impl<'a> Reviewer<'a> {
         }
         let tracks = sorties.par_iter().map(|sortie| sortie.track(world));
         let tracks: Vec<Track> = tracks.collect();
+        let separation_m = spec.separation.distance_m;
+        margins.extend(landings(&tracks, Landed::CarriedAway, separation_m));
         let mut assumptions = assumed::of_sorties(spec, world, &sorties);
-        assumptions.extend(landings_on_parked(&tracks));
+        assumptions.extend(landings_on_parked(&margins));
         let review = Review {
             margins,
             tracks,

@@ -827,7 +827,7 @@ fn arduplane_is_judged_where_it_swings_out_of_a_corner() {
     let swung_m = exact_m - clearance_outside_a_corner(heron);
     assert!((swung_m - 32.9).abs() < 0.5, "{swung_m}");
     // A QuadPlane comes to it from anywhere within the hull of its first leg, 3.9 degrees aside. It
-    // begins to turn as far before it as any other: by the legs of its mission.
+    // begins to turn as far before it as any other: by the legs of its mission. 9 m more where it is 8 % faster.
     let from_aside_m = exact_m - clearance_outside_a_corner(vtol(Autopilot::ArduPilot));
-    assert!((24.5..30.0).contains(&from_aside_m), "{from_aside_m}");
+    assert!((33.5..39.0).contains(&from_aside_m), "{from_aside_m}");
 }

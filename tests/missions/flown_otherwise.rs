@@ -208,6 +208,146 @@ fn a_wing_that_is_not_armed_for_its_mission_with_stock_parameters_is_named() {
     assert!(!said("px4", &rows).contains("MIS_TKO_LAND_REQ"));
 }
 
+/// The rows of a flight from one place to another, which begins after a delay, seconds.
+fn between(from: f64, to: f64, delay_s: u32) -> String {
+    let wait = match delay_s {
+        0 => String::new(),
+        _ => format!("0\t0\t2\t93\t{delay_s}\t-1\t-1\t-1\t0\t0\t0\t1\n"),
+    };
+    let rows = format!(
+        "{wait}0\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n0\t0\t3\t16\t0\t0\t0\t0\t{to}\t8.0\t50\t1\n0\t0\t3\t21\t0\t0\t0\t0\t{to}\t8.0\t0\t1\n"
+    );
+    let rows = rows.lines().enumerate();
+    let mut rows: String = rows
+        .map(|(row, line)| format!("{}{}\n", row + 1, &line[1..]))
+        .collect();
+    rows.insert_str(
+        0,
+        &format!("0\t1\t0\t16\t0\t0\t0\t0\t{from}\t8.0\t500\t1\n"),
+    );
+    rows
+}
+
+/// Who waits on its pad for its departure, or has landed there, was landed on with a warning and exit code 0.
+#[test]
+fn a_copter_that_lands_where_another_one_stands_does_not_keep_its_distance() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let put = |name: &str, text: &str| {
+        fs::write(folder.path().join(name), text).expect("written");
+    };
+    let missions = |alpha: String, bravo: String| {
+        put("alpha.waypoints", &format!("QGC WPL 110\n{alpha}"));
+        put("bravo.waypoints", &format!("QGC WPL 110\n{bravo}"));
+        put("alpha.params", "DISARM_DELAY,0\n");
+        put("bravo.params", "DISARM_DELAY,0\n");
+    };
+    let judged = |more: &[&str]| {
+        let flags = ["alpha.waypoints", "bravo.waypoints", "--airframe", "copter"];
+        let ground = ["review", "--no-terrain"];
+        let output = sortie(folder.path(), &[&ground, &flags[..], more].concat());
+        (
+            output.status.code(),
+            text(&output.stdout) + &text(&output.stderr),
+        )
+    };
+    let apart = ["--separation", "20"];
+    // It waits there, and takes off from under alpha.
+    missions(between(46.0, 46.01, 0), between(46.01, 46.02, 900));
+    let (code, said) = judged(&apart);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(
+        said.contains("alpha lands 0.0 m from where bravo stands until T0+900 s"),
+        "{said}"
+    );
+    assert!(!said.contains("warning: alpha lands"), "{said}");
+    // It has landed there.
+    missions(between(46.0, 46.01, 0), between(46.02, 46.01, 900));
+    let (code, said) = judged(&apart);
+    assert_eq!(code, Some(4), "{said}");
+    assert!(
+        said.contains("FAIL bravo and alpha: landing place"),
+        "{said}"
+    );
+    // It has flown away before, and without a separation nobody says that they fly together.
+    missions(between(46.0, 46.01, 900), between(46.01, 46.02, 0));
+    assert_eq!(judged(&apart).0, Some(0), "{}", judged(&apart).1);
+    missions(between(46.0, 46.01, 0), between(46.02, 46.01, 900));
+    assert_eq!(judged(&[]).0, Some(0), "{}", judged(&[]).1);
+}
+
+/// ArduCopter 4.7.0-beta1 flew on behind 253 commands, stopped for good behind 254, 9 m past the waypoint before them, and began
+/// the first of 255 again and again.
+#[test]
+fn arducopter_does_not_come_to_an_item_behind_254_commands() {
+    let rows = |commands: usize| {
+        let mut rows = vec![up(), waypoint(46.001, 8.0, 50.0)];
+        rows.extend((0..commands).map(|_| order(203, [0.0; 4])));
+        rows.extend([waypoint(46.002, 8.0, 50.0), land(46.003, 8.0)]);
+        rows
+    };
+    passes(&rows(253), &COPTER);
+    fails(
+        &rows(254),
+        &COPTER,
+        "more than 253 commands without motion in a row",
+    );
+    let px4 = [COPTER.as_slice(), &["--autopilot", "px4"]].concat();
+    passes(&rows(254), &px4);
+}
+
+/// "VTOL land too short, min 27m", said `AP_Arming_Plane::mission_checks` of ArduPlane 4.7.0-beta1.
+#[test]
+fn a_quadplane_with_a_landing_too_close_behind_a_waypoint_is_not_armed() {
+    let rows = |lat: f64| {
+        let up = Row(84, 3, [0.0; 4], HOME.0, HOME.1, 50.0);
+        let ways = [waypoint(46.01, 8.0, 50.0), waypoint(46.02, 8.0, 50.0)];
+        let down = Row(85, 3, [0.0; 4], lat, 8.0, 0.0);
+        let [first, last] = ways;
+        [up, first, last, down]
+    };
+    let vtol = ["--no-terrain", "--airframe", "vtol"];
+    passes(&rows(46.0203), &vtol);
+    fails(&rows(46.0202), &vtol, "at least 27.0 m");
+}
+
+/// Nothing that flies a mission hovers for eleven days: NAV_DELAY of 1e30 s passed as well.
+#[test]
+fn a_flight_longer_than_any_vehicle_stays_aloft_fails() {
+    let rows = |wait_s: f32| {
+        let wait = Row(93, 3, [wait_s, -1.0, -1.0, -1.0], 0.0, 0.0, 0.0);
+        let way = waypoint(46.001, 8.0, 50.0);
+        [up(), way, wait, land(46.001, 8.0)]
+    };
+    passes(&rows(600.0), &COPTER);
+    for wait_s in [1e6, 1e30] {
+        fails(&rows(wait_s), &COPTER, "nothing stays aloft for longer");
+    }
+}
+
+/// Three PX4 1.18 on `missions/harbour.yaml` were up to 26 m below the line of a leg; of a mission without a spec nobody
+/// knows the version, and it was judged as flown by 1.17 alone.
+#[test]
+fn a_copter_of_px4_without_a_version_is_judged_as_1_17_and_as_1_18_fly_it() {
+    let rows = |above_m: u32| {
+        format!(
+            "1\t0\t3\t22\t0\t0\t0\t0\t46.0\t8.0\t100\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.0\t8.001\t100\t1\n3\t0\t3\t16\t0\t0\t0\t0\t46.0\t8.039\t{above_m}\t1\n4\t0\t3\t21\t0\t0\t0\t0\t46.0\t8.039\t0\t1\n"
+        )
+    };
+    let missions = [("a.waypoints", rows(60)), ("b.waypoints", rows(80))];
+    let folder = over_ground("500 500 560 500", &missions);
+    let flags = |name: &'static str, autopilot: &'static str| {
+        let of = ["--airframe", "copter", "--min-agl", "10", "--autopilot"];
+        [&[name], &of[..], &[autopilot]].concat()
+    };
+    let (code, said) = reviewed(&folder, &flags("a.waypoints", "px4"));
+    assert_eq!(code, Some(4), "{said}");
+    assert!(said.contains("as PX4 1.18 and later flies it"), "{said}");
+    for (name, autopilot) in [("a.waypoints", "ardupilot"), ("b.waypoints", "px4")] {
+        let (code, said) = reviewed(&folder, &flags(name, autopilot));
+        assert_eq!(code, Some(0), "{name} {autopilot}: {said}");
+    }
+}
+
 /// Dunes of 16 m, 120 m apart: between posts 100 m apart ArduCopter 4.7.0-beta1 flew 1.4 m below their tops
 /// where 11.5 m of clearance were passed.
 #[test]

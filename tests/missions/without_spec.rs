@@ -100,7 +100,7 @@ fn items_of_wings_are_never_guessed_to_be_for_a_copter() {
         ),
         (
             vec![takeoff(), way(), to_alt, land(46.001, 8.0)],
-            "item 3 (the approach to a landing)",
+            "item 3 (NAV_LOITER_TO_ALT before a landing) is one of planes and vtol, and of copters as well",
         ),
     ];
     for (rows, item) in cases {

@@ -124,6 +124,12 @@ fn a_stop_of_a_wing_left_out_moved_or_out_of_order_fails_and_so_do_its_actions()
                 let item = items.remove(at);
                 items.insert(first + 3, item);
             });
+            let name = format!(
+                "actions at stop t1: action {} ({}): item {} does it, and the vehicle is nearest",
+                number + 1,
+                action.key(),
+                first + 4
+            );
             assert!(names(&late, &name), "{late:?}");
         }
         let reordered = judged(&|items| items.swap(first + 1, first + 2));

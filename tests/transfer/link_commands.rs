@@ -117,7 +117,7 @@ fn what_is_uploaded_over_a_bad_link_is_what_is_downloaded() {
                 ending == "waypoints",
                 "{notes}"
             );
-            assert_eq!(notes.contains("1 rally points"), ending == "waypoints");
+            assert_eq!(notes.contains("1 rally point is"), ending == "waypoints");
         }
         // What came down is flown like what went up: the verdict is the same.
         let file = format!("{id}.plan");

@@ -35,7 +35,7 @@ WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, TO_ALT, DELAY, SPEED = 16, 17, 19, 
 
 def read_radius(path, ardupilot):
     """The acceptance radius that the parameters beside a `.waypoints` file set, or the default."""
-    name, unit, default = ("WPNAV_RADIUS", 100, 200.0) if ardupilot else ("NAV_ACC_RAD", 1, 10.0)
+    name, unit, default = ("WPNAV_RADIUS", 100, 200.0) if ardupilot else ("NAV_ACC_RAD", 1, 2.0)
     return read_parameter(path, name, default) / unit
 
 

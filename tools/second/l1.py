@@ -12,6 +12,7 @@ WAY_M = 0.5  # a way that is nearer to its legs is not judged
 TURNING_SHARE, BANK_LAG_S, FASTER_SHARE = 0.7, 0.5, 0.08
 INTEGRAL_GAIN, INTEGRAL_RAD, INTEGRAL_WITHIN_RAD = 0.02, 0.1, math.radians(5)
 LEAD_S = 1.0
+EITHER_WAY_RAD = math.radians(170)
 
 
 def air_ratio(amsl):
@@ -43,9 +44,11 @@ class Leg:
 class Law:
     turning_share = TURNING_SHARE
     pace = 1.0  # speed through the air, as a share of that of the leg
+    side = 1  # where the course is more than 170 degrees off, it turns to the left
 
-    def __init__(self, params, load_factor, may_be_faster):
-        self.paces = (1.0, 1.0 + FASTER_SHARE) if may_be_faster else (1.0,)
+    paces = 1.0, 1.0 + FASTER_SHARE
+
+    def __init__(self, params, load_factor):
         self.period, self.damping = params.get("NAVL1_PERIOD", 17.0), params.get("NAVL1_DAMPING", 0.75)
         self.radius = params.get("WP_RADIUS", 90.0)
         limit = params.get("ROLL_LIMIT_DEG")
@@ -68,6 +71,8 @@ class Law:
         # Both positive where the wing is to be turned to the left.
         nu1 = math.asin(min(max(right / length, -math.sqrt(0.5)), math.sqrt(0.5)))
         nu2 = math.atan2(east * leg.north - north * leg.east, east * leg.east + north * leg.north)
+        if abs(nu2) > EITHER_WAY_RAD:
+            nu2 = self.side * abs(nu2)
         nu = min(max(nu1 + integral + nu2, -math.pi / 2), math.pi / 2)
         across = 4 * self.damping**2 * speed**2 / length * math.sin(nu)
         asked = min(max(math.atan(across / G), -self.limit), self.limit)
@@ -77,9 +82,10 @@ class Law:
         return east, north, -self.turning_share * G * math.tan(bank) / air, (asked - bank) / BANK_LAG_S, gathers
 
     def both(self, fly):
-        """What it flies as fast as planned, and faster."""
+        """What it flies as fast as planned, and faster, to the left and to the right where it may turn either way."""
         for self.pace in self.paces:
-            yield fly(self)
+            for self.side in (1, -1):
+                yield fly(self)
         self.pace = 1.0
 
     def follow(self, flat, amsl, speeds, wind, judged=JUDGED_S):

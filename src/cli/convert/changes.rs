@@ -11,8 +11,10 @@ pub(crate) fn changes(what: &str, was: &[Item], is: &[Item]) -> Vec<String> {
     }
     let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for ((was, is), number) in was.iter().zip(is).zip(1..) {
-        if was != is {
-            groups.entry(change(was, is)).or_default().push(number);
+        // A NaN that comes back is another number, and no change.
+        let change = change(was, is);
+        if !change.is_empty() {
+            groups.entry(change).or_default().push(number);
         }
     }
     let mut groups: Vec<(String, Vec<usize>)> = groups.into_iter().collect();

@@ -16,6 +16,7 @@ use super::print::table;
 use crate::formats::{self, Document, Drawing, Format};
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::{self, Home, Item, VehicleMission};
+use crate::numeric::digits::count;
 use crate::spec::{Airframe, Autopilot};
 use changes::{changes, ranges};
 
@@ -408,11 +409,11 @@ fn print(report: &Report) -> Result<(), Failure> {
         }
     }
     out(&format!(
-        "{}: {} mission items, {} fence items, {} rally points, for {}",
+        "{}: {}, {}, {}, for {}",
         report.output,
-        report.mission_items,
-        report.fence_items,
-        report.rally_points,
+        count(report.mission_items, "mission item"),
+        count(report.fence_items, "fence item"),
+        count(report.rally_points, "rally point"),
         report.autopilot
     ))
 }

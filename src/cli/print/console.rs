@@ -49,7 +49,7 @@ pub(crate) fn note(line: &str) {
 
 /// Prints which vehicles of a review land where another one stands.
 pub(crate) fn warn_of_parked(review: &Review) {
-    for text in landings_on_parked(&review.tracks) {
+    for text in landings_on_parked(&review.margins) {
         note(&format!("warning: {text}"));
     }
 }

@@ -95,6 +95,20 @@ pub(crate) fn print_no_buffers(spec: &MissionSpec) -> Result<(), Failure> {
     out(&Paint::for_stdout().dim(&format!("note: {why}")))
 }
 
+/// The decimals of a value in a unit: what is counted has none.
+pub(crate) fn decimals(unit: &str) -> usize {
+    usize::from(!["items", "problems", "legs", "missing"].contains(&unit))
+}
+
+/// The unit of a value: one of what is counted has no plural.
+pub(crate) fn unit(value: f64, unit: &'static str) -> &'static str {
+    let is_one = decimals(unit) == 0 && (value - 1.0).abs() < 1e-9;
+    match is_one {
+        true => unit.trim_end_matches('s'),
+        false => unit,
+    }
+}
+
 /// A number with at most `decimals` decimals; a huge one with a power of ten.
 pub(crate) fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
@@ -149,6 +163,21 @@ pub(crate) fn tightest(review: &Review, vehicle: &str, topics: &[Topic]) -> Stri
     format!("{value} {}{whom} ({sign} {limit}){mark}", margin.unit)
 }
 
+/// The tightest separation of a vehicle in a fleet, or why it has none.
+pub(crate) fn separation(review: &Review, vehicle: &str, fleet: usize) -> String {
+    let topics = [Topic::Separation];
+    let is_judged = (review.margins.iter())
+        .any(|margin| margin.concerns(vehicle) && topics.contains(&margin.limit.topic()));
+    let mut tracks = review.tracks.iter();
+    let is_flown = tracks.any(|track| track.vehicle == vehicle && !track.moments.is_empty());
+    match (is_judged, is_flown) {
+        (true, _) => tightest(review, vehicle, &topics),
+        (false, _) if fleet < 2 => "alone".to_owned(),
+        (false, true) => "none near".to_owned(),
+        (false, false) => "no mission".to_owned(),
+    }
+}
+
 /// A sentence for each failed margin, with times after T0.
 pub(crate) fn failures(review: &Review, paint: Paint) -> Vec<String> {
     failures_since(review, paint, "T0")
@@ -172,11 +201,12 @@ fn sentence(margin: &Margin, since: &str) -> String {
     };
     if margin.value.is_finite() {
         text += &format!(
-            ": {} {unit}, {} {} {unit} allowed",
-            number_against(margin.value, margin.bound, 1),
+            ": {} {}, {} {} {} allowed",
+            number_against(margin.value, margin.bound, decimals(margin.unit)),
+            unit(margin.value, margin.unit),
             sense(margin),
-            number(margin.bound, 1),
-            unit = margin.unit
+            number(margin.bound, decimals(margin.unit)),
+            unit(margin.bound, margin.unit)
         );
     }
     if let Some(at) = &margin.at {

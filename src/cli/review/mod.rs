@@ -15,6 +15,7 @@ use super::print::table;
 use super::print::table::Rows;
 use crate::formats::{self, Document, Format};
 use crate::mission::{Home, VehicleMission};
+use crate::numeric::digits::count;
 use crate::report::{self, ReviewInput};
 use crate::spec::SpecFile;
 use crate::verify;
@@ -208,6 +209,7 @@ fn without_spec(
     let judged: Vec<(usize, &VehicleMission)> =
         made.missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&made.spec, &made.world, &judged);
+    without_spec::judge_later(&mut review, (&made.spec, &made.world), &judged);
     let rates = without_spec::judge_rates(
         &mut review,
         (&made.spec, &made.world),
@@ -341,10 +343,10 @@ fn deliver(
 /// Prints the use of a file without a mission.
 fn report_list(path: &Path, document: &Document) {
     note(&format!(
-        "{}: {} fence items and {} rally points, for every mission that has none",
+        "{}: {} and {}, for every mission that has none",
         path.display(),
-        document.fence.len(),
-        document.rally.len()
+        count(document.fence.len(), "fence item"),
+        count(document.rally.len(), "rally point")
     ));
     let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
     report_repairs(path, &repairs);
@@ -431,7 +433,11 @@ fn row(margin: &verify::Margin, paint: Paint) -> [String; 6] {
     });
     let value = |value: f64| {
         if value.is_finite() {
-            format!("{} {}", table::number(value, 1), margin.unit)
+            format!(
+                "{} {}",
+                table::number(value, table::decimals(margin.unit)),
+                table::unit(value, margin.unit)
+            )
         } else {
             "-".to_owned()
         }

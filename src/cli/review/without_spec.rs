@@ -7,6 +7,7 @@ mod assumed;
 mod flags;
 mod given;
 mod rates;
+mod versions;
 
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,7 @@ use crate::world::{Bounds, Terrain, World, read_terrain};
 use airframe::airframe;
 pub(crate) use given::keep_given;
 pub(crate) use rates::judge_rates;
+pub(crate) use versions::judge_later;
 
 /// Positions further than this from the first one are not part of the area, degrees.
 const NEAR_DEG: f64 = 2.0;

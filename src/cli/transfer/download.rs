@@ -10,6 +10,7 @@ use crate::cli::print::progress::Progress;
 use crate::formats::{self, Document, Format, FormatError};
 use crate::link::{self, List, Onboard};
 use crate::mission::{Home, VehicleMission};
+use crate::numeric::digits::count;
 use crate::spec::{Airframe, Autopilot, Link};
 
 pub(crate) fn run(arguments: &args::Download) -> Result<(), Failure> {
@@ -45,12 +46,12 @@ pub(crate) fn run(arguments: &args::Download) -> Result<(), Failure> {
         note(&format!("note: {loss}"));
     }
     out(&format!(
-        "system {} ({}): {} mission items, {} fence items, {} rally points in {}",
+        "system {} ({}): {}, {}, {} in {}",
         onboard.sysid,
         onboard.description,
-        mission.items.len(),
-        mission.fence.len(),
-        mission.rally.len(),
+        count(mission.items.len(), "mission item"),
+        count(mission.fence.len(), "fence item"),
+        count(mission.rally.len(), "rally point"),
         arguments.output.display()
     ))?;
     Ok(())

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::formats::FormatError;
-use crate::formats::text::number::{coordinate, float};
+use crate::formats::text::number::{allowed_coordinate, coordinate, float};
 use crate::mission::frame;
 
 /// A value and its path.
@@ -75,7 +75,7 @@ impl<'a> Node<'a> {
     pub(super) fn float(&self) -> Result<f32, FormatError> {
         let value = float(self.number()?);
         if value.is_infinite() {
-            return Err(self.bad("a number that fits 32 bits"));
+            return Err(self.bad("a number of 32 bits, at most 3.4e38"));
         }
         Ok(value)
     }
@@ -99,7 +99,7 @@ impl<'a> Node<'a> {
         if value.is_nan() && frame == frame::MISSION {
             return Ok(0);
         }
-        coordinate(frame, value).ok_or_else(|| self.bad("a number that fits"))
+        coordinate(frame, value).ok_or_else(|| self.bad(&allowed_coordinate(frame)))
     }
 
     /// Latitude and longitude, 1e-7 degrees, and the altitude if there is one.

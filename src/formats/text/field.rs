@@ -1,6 +1,6 @@
 //! The fields of a row as numbers.
 
-use super::number::coordinate;
+use super::number::{allowed_coordinate, coordinate};
 use crate::formats::FormatError;
 use crate::mission::command_named;
 
@@ -95,8 +95,8 @@ pub(crate) fn scaled(field: Field<'_>, frame: u8) -> Result<i32, FormatError> {
         .and_then(|value| coordinate(frame, value))
         .ok_or_else(|| {
             let allowed = match number_like(field.text) {
-                "a number" => "a number that fits",
-                other => other,
+                "a number" => allowed_coordinate(frame),
+                other => other.to_owned(),
             };
             bad(field, allowed)
         })

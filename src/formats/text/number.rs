@@ -34,6 +34,13 @@ pub(crate) fn coordinate(frame: u8, value: f64) -> Option<i32> {
     Some(scaled)
 }
 
+/// What a coordinate of an item in a frame may be.
+pub(crate) fn allowed_coordinate(frame: u8) -> String {
+    let scale = scale(frame);
+    let at = |end: i32| f64::from(end) / scale;
+    format!("a number from {} to {}", at(i32::MIN), at(i32::MAX))
+}
+
 /// What becomes of a coordinate that an item in a frame without degrees cannot hold, in words.
 pub(crate) fn rounded(frame: u8, value: f64) -> Option<String> {
     let scale = scale(frame);

@@ -115,6 +115,7 @@ static RULES: &[(&str, Check)] = &[
     ("departure delay", Check::Item(wing::departure_delay)),
     ("whole numbers", Check::Item(wing::whole_numbers)),
     ("landing approach", Check::Mission(wing::landing_approach)),
+    ("stopping distance", Check::Mission(wing::stopping_distance)),
     ("start of the landing", Check::Mission(wing::land_start)),
     (param_fence::RULE, Check::Mission(param_fence::inside)),
 ];

@@ -64,6 +64,45 @@ pub(crate) fn whole_numbers(profile: &Profile, item: &Item) -> Option<Finding> {
     }
 }
 
+/// A QuadPlane is not armed where a landing comes too soon behind a waypoint for it to slow down ("VTOL land too short",
+/// `AP_Arming_Plane::mission_checks`): three quarters of what it needs from its landing or cruise speed to rest.
+pub(crate) fn stopping_distance(
+    profile: &Profile,
+    mission: &VehicleMission,
+) -> Option<(usize, Finding)> {
+    const SHARE: f64 = 0.75;
+    let decel = profile.facts.parameter("Q_TRANS_DECEL")?;
+    let decel_mps2 = mission.param_si(decel.name).unwrap_or(decel.default_si());
+    let landing_mps = mission
+        .param("TECS_LAND_ARSPD")
+        .filter(|speed_mps| *speed_mps > 0.0);
+    let speed_mps = landing_mps.or_else(|| mission.param_or_default_si("AIRSPEED_CRUISE"))?;
+    let least_m = SHARE * speed_mps * speed_mps / (2.0 * decel_mps2);
+    let lands = |item: &Item| {
+        let landings = [
+            command::NAV_VTOL_LAND,
+            command::NAV_LAND,
+            command::NAV_PAYLOAD_PLACE,
+        ];
+        landings.contains(&item.command)
+    };
+    let mut pairs = mission.items.windows(2).zip(2..);
+    pairs.find_map(|(pair, row)| {
+        if pair[0].command != command::NAV_WAYPOINT || !lands(&pair[1]) {
+            return None;
+        }
+        let away_m = pair[0].place()?.chord_m(pair[1].place()?);
+        (away_m < least_m).then(|| {
+            let found = format!("a landing {away_m:.1} m behind the waypoint before it");
+            let allowed = format!(
+                "at least {least_m:.1} m, to slow down from {speed_mps} m/s with {} {decel_mps2}: ArduPlane is not armed otherwise",
+                decel.name
+            );
+            (row, (found, allowed))
+        })
+    })
+}
+
 /// PX4 rejects a second start of a landing, one after the last landing, and a return after it.
 pub(crate) fn land_start(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
     if !profile.facts.acceptance.one_land_start {

@@ -34,6 +34,9 @@ impl Unknown {
     }
 }
 
+/// Most commands without motion that `ArduPilot` obeys before the next item that moves it (`AP_Mission::advance_current_nav_cmd`
+/// looks at 254 items; with one more its mission is complete, with two it begins them again and again).
+const MAX_IN_A_ROW: usize = 253;
 /// Most orders of a mission; each repetition of a jump counts. Twice what PX4 stores.
 const MAX_ORDERS: usize = 20_000;
 /// The orders of a mission in the sequence in which they are obeyed.
@@ -89,14 +92,48 @@ fn needs_terrain(item: &Item, mission: &VehicleMission) -> bool {
             .is_some_and(|on| on.abs() < 0.5)
 }
 
+/// The commands without motion since the last item that moves the vehicle.
+#[derive(Default)]
+struct Commands {
+    in_a_row: usize,
+    /// Whether they wait for a condition while the vehicle flies on.
+    waiting: bool,
+}
+
+impl Commands {
+    /// Takes in an item; says why the flight is not known from it on, if it is not.
+    fn next(&mut self, item: &Item, autopilot: Autopilot) -> Result<(), String> {
+        if item.command <= NAV_LAST {
+            *self = Self::default();
+            return Ok(());
+        }
+        self.in_a_row += 1;
+        if autopilot == Autopilot::ArduPilot && self.in_a_row > MAX_IN_A_ROW {
+            return Err(format!(
+                "more than {MAX_IN_A_ROW} commands without motion in a row: ArduPilot does not come to the next item"
+            ));
+        }
+        match item.command {
+            command::CONDITION_DELAY | command::CONDITION_DISTANCE | command::CONDITION_YAW => {
+                self.waiting = true;
+            }
+            command::DO_CHANGE_SPEED if self.waiting => {
+                let why = "a change of speed that waits for a condition comes at no known time";
+                return Err(why.to_owned());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
 fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unknown> {
     let steps = &mut orders.steps;
     let mut jumps = vec![Jumps::NotMet; mission.items.len()];
     let mut next = 0;
     // Each jump that is made for ever, and the first step after it.
     let mut begins = Vec::new();
-    // Whether commands wait for a condition while the vehicle flies on.
-    let mut waiting = false;
+    let mut commands = Commands::default();
     for _ in 0..MAX_ORDERS {
         let item = mission.items.get(next)?;
         let row = next + 1;
@@ -120,16 +157,8 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
             }
             continue;
         }
-        match item.command {
-            command::CONDITION_DELAY | command::CONDITION_DISTANCE | command::CONDITION_YAW => {
-                waiting = true;
-            }
-            command if command <= NAV_LAST => waiting = false,
-            command::DO_CHANGE_SPEED if waiting => {
-                let why = "a change of speed that waits for a condition comes at no known time";
-                return unknown(why.to_owned());
-            }
-            _ => {}
+        if let Err(why) = commands.next(item, mission.autopilot) {
+            return unknown(why);
         }
         let order = if mission.airframe.has_wing() {
             items::read(item, mission, home)

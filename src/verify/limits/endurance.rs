@@ -10,6 +10,8 @@ use crate::verify::measure::segment::Segment;
 use crate::verify::{Limit, Margin, Requirement};
 use crate::world::Departure;
 
+/// Nothing that flies such missions stays aloft for longer, seconds: a week.
+const MAX_ALOFT_S: f64 = 7.0 * 86_400.0;
 /// A motion that is shorter is none, metres.
 const STILL_M: f64 = 1e-3;
 
@@ -17,7 +19,9 @@ impl Contract<'_> {
     /// Time, distance through the air or energy from takeoff to touchdown, or until the vehicle
     /// stays for ever.
     pub(crate) fn endurance(&self) -> Option<Margin> {
-        let endurance = self.vehicle.endurance.as_ref()?;
+        let Some(endurance) = self.vehicle.endurance.as_ref() else {
+            return self.longest();
+        };
         let (unit, usable) = (endurance.capacity.unit(), endurance.usable());
         let required = Requirement::at_most(Limit::Endurance, usable, unit);
         if self.flight.unknown.is_some() || self.flight.end == Some(End::Repeats) {
@@ -63,6 +67,21 @@ impl Contract<'_> {
             note,
             ..required.margin(self.id(), used + late, Some(at))
         })
+    }
+
+    /// Without an endurance: fails where the flight is longer than any.
+    fn longest(&self) -> Option<Margin> {
+        let aloft = self.aloft(matches!(self.flight.end, Some(End::Stays(_))));
+        let finite = aloft.iter().filter(|segment| segment.to_s.is_finite());
+        let last = finite.max_by(|a, b| a.to_s.total_cmp(&b.to_s))?;
+        let aloft_s = last.to_s - aloft.first()?.from_s;
+        let required = Requirement::at_most(Limit::Endurance, MAX_ALOFT_S, "s");
+        let at = last.moment(&self.world.frame, 1.0);
+        let margin = Margin {
+            note: "no endurance is given, and nothing stays aloft for longer".to_owned(),
+            ..required.margin(self.id(), aloft_s, Some(at))
+        };
+        (!margin.ok).then_some(margin)
     }
 
     /// What is flown, from the first motion on, without an endless stay.

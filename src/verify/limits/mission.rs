@@ -378,8 +378,8 @@ impl Contract<'_> {
             return None;
         }
         let limit_m = mission::corner_cut_m(&self.spec.mission);
-        // That of the parameters, where it is wider than the default, which counts without any, and than one that a
-        // plan wrote as a float32.
+        // That of the parameters, where it is wider than the default of `navigator_params.c`, and than one that a plan
+        // wrote as a float32.
         let name = "NAV_ACC_RAD";
         let default_m = parameter(name).map_or(0.0, ParameterRow::default_si);
         let widest_m = limit_m.max(default_m) * (1.0 + 1e-6);

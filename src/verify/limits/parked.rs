@@ -1,9 +1,14 @@
-//! Landings where another vehicle stands: no separation counts what is on the ground.
+//! Landings where another vehicle stands: the separation counts nothing that is on the ground.
 
-use crate::verify::{Moment, Track};
+use crate::verify::{Limit, Margin, Moment, Requirement, Track};
 
-/// Places nearer to each other than this are one, metres: within the errors of two positions.
+/// Places nearer to each other than this may be one, metres: within the errors of two positions.
 const NEAR_M: f64 = 10.0;
+/// A landing nearer than this to a vehicle is on it, metres: what a copter lands beside its place, and its arms.
+const CLEAR_M: f64 = 3.0;
+/// So long a vehicle that has landed is in the way at least, seconds: 10 s until its motors stop (`DISARM_DELAY`), and 20 s
+/// to carry it away.
+const CLEARED_AFTER_S: f64 = 30.0;
 /// Ends of flights whose altitudes differ by more are not both on the ground, metres.
 const LEVEL_M: f64 = 3.0;
 /// Landings that are named one by one.
@@ -16,17 +21,47 @@ struct Parked<'a> {
     is_down: bool,
 }
 
-/// Which vehicles land where another one stands then: a sentence each, and one for all that are more.
+/// Whether someone carries landed vehicles away.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Landed {
+    /// Where two vehicles of a spec end at one place.
+    CarriedAway,
+    /// Nothing says that they share the place on purpose.
+    Stay,
+}
+
+/// A margin for each vehicle that lands near another one that stands there then: the distance, or how long the other
+/// one is down before.
 #[must_use]
-pub fn landings_on_parked(tracks: &[Track]) -> Vec<String> {
+pub fn landings(tracks: &[Track], landed: Landed, separation_m: f64) -> Vec<Margin> {
     let mut parked: Vec<Parked<'_>> = tracks.iter().flat_map(ends).collect();
     parked.sort_by(|a, b| lat_deg(a.at).total_cmp(&lat_deg(b.at)));
+    let clear_m = CLEAR_M.min(separation_m);
     let landings = parked.iter().filter(|one| one.is_down);
-    let mut found: Vec<String> = landings.filter_map(|one| sentence(one, &parked)).collect();
+    landings
+        .filter_map(|one| margin(one, &parked, landed, clear_m))
+        .collect()
+}
+
+/// What an operator must know of the landings that these margins allow: a sentence each, and one for all that are more.
+#[must_use]
+pub fn landings_on_parked(margins: &[Margin]) -> Vec<String> {
+    let allowed = margins
+        .iter()
+        .filter(|margin| margin.limit == Limit::LandingPlace && margin.ok);
+    let mut found: Vec<String> = allowed
+        .map(|margin| {
+            format!(
+                "{}: what stands on the ground does not count for the separation; clear the place before",
+                margin.note
+            )
+        })
+        .collect();
     if found.len() > NAMED {
         let more = found.len() - NAMED;
         found.truncate(NAMED);
-        found.push(format!("{more} more landings like these"));
+        let plural = if more == 1 { "" } else { "s" };
+        found.push(format!("{more} more landing{plural} like these"));
     }
     found
 }
@@ -46,8 +81,13 @@ fn lat_deg(moment: &Moment) -> f64 {
     moment.place.lat_deg
 }
 
-/// A landing and the nearest vehicle that stands there; `parked` goes from south to north.
-fn sentence(landing: &Parked<'_>, parked: &[Parked<'_>]) -> Option<String> {
+/// The margin of a landing to the vehicle that is most in its way; `parked` goes from south to north.
+fn margin(
+    landing: &Parked<'_>,
+    parked: &[Parked<'_>],
+    landed: Landed,
+    clear_m: f64,
+) -> Option<Margin> {
     /// Metres of a degree of latitude, no more.
     const MIN_DEGREE_M: f64 = 110_000.0;
     let (lat, reach) = (lat_deg(landing.at), NEAR_M / MIN_DEGREE_M);
@@ -64,22 +104,48 @@ fn sentence(landing: &Parked<'_>, parked: &[Parked<'_>]) -> Option<String> {
         };
         is_there && other.vehicle != landing.vehicle
     };
-    let away_m = |other: &Parked<'_>| away_m(landing.at, other.at);
-    let nearest = near
+    let measured = near
         .filter(stands)
-        .min_by(|a, b| away_m(a).total_cmp(&away_m(b)))?;
-    (away_m(nearest) < NEAR_M).then(|| {
-        let when = if nearest.is_down { "from" } else { "until" };
-        format!(
-            "{} lands {:.1} m from where {} stands {when} T0{:+.0} s{}: what stands on the ground does not count for \
-             the separation; clear the place before",
+        .map(|other| (other, away_m(landing.at, other.at)))
+        .filter(|(_, away_m)| *away_m < NEAR_M);
+    // Who is in the way comes first, then who is nearest.
+    let is_clear = |(other, away_m): &(&Parked<'_>, f64)| {
+        *away_m >= clear_m || other.is_down && is_carried_away(landing, other, landed)
+    };
+    let (other, away_m) =
+        measured.min_by(|a, b| is_clear(a).cmp(&is_clear(b)).then(a.1.total_cmp(&b.1)))?;
+    let required = match other.is_down && landed == Landed::CarriedAway && away_m < clear_m {
+        true => Requirement::at_least(Limit::LandingPlace, CLEARED_AFTER_S, "s").margin(
             landing.vehicle,
-            away_m(nearest),
-            nearest.vehicle,
-            nearest.at.t_s,
-            if nearest.is_down { " on" } else { "" },
-        )
+            landing.at.t_s - other.at.t_s,
+            Some(*landing.at),
+        ),
+        false => Requirement::at_least(Limit::LandingPlace, clear_m, "m").margin(
+            landing.vehicle,
+            away_m,
+            Some(*landing.at),
+        ),
+    };
+    Some(Margin {
+        other: Some(other.vehicle.to_owned()),
+        note: sentence(landing, other, away_m),
+        ..required
     })
+}
+
+fn is_carried_away(landing: &Parked<'_>, other: &Parked<'_>, landed: Landed) -> bool {
+    landed == Landed::CarriedAway && landing.at.t_s - other.at.t_s >= CLEARED_AFTER_S
+}
+
+fn sentence(landing: &Parked<'_>, other: &Parked<'_>, away_m: f64) -> String {
+    let when = if other.is_down { "from" } else { "until" };
+    format!(
+        "{} lands {away_m:.1} m from where {} stands {when} T0{:+.0} s{}",
+        landing.vehicle,
+        other.vehicle,
+        other.at.t_s,
+        if other.is_down { " on" } else { "" },
+    )
 }
 
 /// Distance on the ground, metres; infinite if one is in the air.
@@ -113,28 +179,43 @@ mod tests {
         }
     }
 
+    fn of(tracks: &[Track], landed: Landed) -> Vec<Margin> {
+        landings(tracks, landed, 50.0)
+    }
+
     #[test]
-    fn a_landing_is_named_where_another_vehicle_stands_at_that_time() {
+    fn a_landing_is_judged_where_another_vehicle_stands_at_that_time() {
         let alpha = track("alpha", (8.00, 0.0), (8.01, 100.0));
-        // Down there before, or not yet gone; and gone before, coming later, or beside it.
-        for (other, is_named) in [
-            (track("bravo", (8.02, 0.0), (8.01, 90.0)), true),
-            (track("bravo", (8.01, 110.0), (8.02, 200.0)), true),
-            (track("bravo", (8.01, 0.0), (8.00, 100.0)), false),
-            (track("bravo", (8.02, 0.0), (8.0102, 90.0)), false),
+        // Down there long before, or just now, or not yet gone; and gone before, coming later, or beside it.
+        for (other, is_ok) in [
+            (track("bravo", (8.02, 0.0), (8.01, 60.0)), Some(true)),
+            (track("bravo", (8.02, 0.0), (8.01, 90.0)), Some(false)),
+            (track("bravo", (8.01, 110.0), (8.02, 200.0)), Some(false)),
+            (track("bravo", (8.01, 0.0), (8.00, 100.0)), None),
+            (track("bravo", (8.02, 0.0), (8.0102, 90.0)), None),
+            // Five metres beside it.
+            (
+                track("bravo", (8.010_063, 110.0), (8.02, 200.0)),
+                Some(true),
+            ),
         ] {
-            let found = landings_on_parked(&[alpha.clone(), other.clone()]);
-            assert_eq!(found.len(), usize::from(is_named), "{other:?}: {found:?}");
+            let found = of(&[alpha.clone(), other.clone()], Landed::CarriedAway);
+            let found: Vec<bool> = found.iter().map(|margin| margin.ok).collect();
+            assert_eq!(found, Vec::from_iter(is_ok), "{other:?}");
         }
-        let later = track("bravo", (8.02, 0.0), (8.01, 110.0));
-        let found = landings_on_parked(&[alpha, later]);
+        let later = track("bravo", (8.02, 0.0), (8.01, 160.0));
+        let both = [alpha, later];
+        let found = landings_on_parked(&of(&both, Landed::CarriedAway));
         assert!(found[0].starts_with("bravo lands 0.0 m from where alpha stands from T0+100 s on"));
+        assert!(!of(&both, Landed::Stay)[0].ok);
     }
 
     #[test]
     fn of_a_swarm_on_one_pad_three_landings_are_named() {
-        let swarm = (0..9).map(|k| track(&format!("v{k}"), (8.1, 0.0), (8.0, f64::from(k))));
-        let found = landings_on_parked(&swarm.collect::<Vec<_>>());
+        let swarm =
+            (0..9).map(|k| track(&format!("v{k}"), (8.1, 0.0), (8.0, 100.0 * f64::from(k))));
+        let found = of(&swarm.collect::<Vec<_>>(), Landed::CarriedAway);
+        let found = landings_on_parked(&found);
         assert_eq!(found.len(), 4);
         assert_eq!(found[3], "5 more landings like these");
     }

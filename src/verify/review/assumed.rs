@@ -80,7 +80,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.mission.facts().heights_at_once.is_some() && s.mission.autopilot_version.is_none(),
         "PX4 copters follow the slope of a leg, as up to 1.17: since 1.18 they are at the altitude of its end soon after its beginning and up to {px4_copter.late_share} of their time late, \
-         which is judged of missions with autopilot_version 1.18 or later alone (fly refuses such a vehicle otherwise)",
+         which is judged of missions with autopilot_version 1.18 or later and in a review without a spec alone (fly refuses such a vehicle otherwise)",
     ),
     (
         |s| {
@@ -217,7 +217,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
-        "ArduPlane swings out of corners: it is judged along the way of its L1 law too (a plane, not a QuadPlane, also {plane.faster_share} faster than planned), with NAVL1_PERIOD and NAVL1_DAMPING (default {NAVL1_PERIOD} and {NAVL1_DAMPING}), WP_RADIUS and ROLL_LIMIT_DEG, \
+        "ArduPlane swings out of corners: it is judged along the way of its L1 law too (also {plane.faster_share} faster than planned, and to either side where it turns back), with NAVL1_PERIOD and NAVL1_DAMPING (default {NAVL1_PERIOD} and {NAVL1_DAMPING}), WP_RADIUS and ROLL_LIMIT_DEG, \
          at {plane.turning_share} of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
          2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; in still air, the wind is added as the law has it)",
     ),

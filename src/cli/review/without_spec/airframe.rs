@@ -10,7 +10,7 @@ use crate::spec::Airframe;
 /// The flag, or the airframe of the file, or a copter where nothing speaks against it.
 ///
 /// # Errors
-/// A file with items that only a wing flies as it says, and without a word on the airframe.
+/// A file with items that wings are flown with, and without a word on the airframe: which one flies it is not guessed.
 pub(super) fn airframe(
     subject: &Subject,
     limits: &Limits,
@@ -20,9 +20,9 @@ pub(super) fn airframe(
     if let Some(known) = flag.or(subject.document.airframe) {
         return Ok(known);
     }
-    if let Some((row, what)) = of_wing(&subject.document.items) {
+    if let Some((row, what, whose)) = no_evidence(&subject.document.items) {
         let message = format!(
-            "{}: cannot be judged: item {row} ({what}) is one of planes and vtol, and the file does not say which airframe flies it: say --airframe",
+            "{}: cannot be judged: item {row} ({what}) is one of {whose}, and the file does not say which airframe flies it: say --airframe",
             subject.id
         );
         return Err(Failure::new(Failure::VERDICT, message));
@@ -34,27 +34,39 @@ pub(super) fn airframe(
     Ok(Airframe::Copter)
 }
 
-/// The first item that is of a wing, by its row, and what it is.
-fn of_wing(items: &[Item]) -> Option<(usize, String)> {
-    let row = items.iter().position(|item| {
-        matches!(
-            item.command,
-            command::NAV_VTOL_TAKEOFF
-                | command::NAV_VTOL_LAND
-                | command::DO_LAND_START
-                | command::DO_VTOL_TRANSITION
-        )
-    });
+/// Items that only a wing flies as they say.
+const OF_WINGS: [u16; 3] = [
+    command::NAV_VTOL_TAKEOFF,
+    command::NAV_VTOL_LAND,
+    command::DO_VTOL_TRANSITION,
+];
+
+/// The first item with which a mission is hardly one of a copter, its row, what it is, and which airframes fly it.
+fn no_evidence(items: &[Item]) -> Option<(usize, String, &'static str)> {
+    const WINGS: &str = "planes and vtol";
+    // ArduCopter returns along the items behind a DO_LAND_START, and changes its altitude with NAV_LOITER_TO_ALT.
+    const ANY: &str = "planes and vtol, and of copters as well";
     let name = |index: usize| {
         let number = items[index].command;
         command_name(number).map_or_else(|| format!("command {number}"), str::to_owned)
+    };
+    let first = |is: &dyn Fn(u16) -> bool| items.iter().position(|item| is(item.command));
+    let of_wings = first(&|command| OF_WINGS.contains(&command));
+    let of_wings = of_wings.map(|index| (index + 1, name(index), WINGS));
+    let land_start = || {
+        let index = first(&|command| command == command::DO_LAND_START)?;
+        Some((index + 1, name(index), ANY))
     };
     let approach = || {
         let pair = |pair: &[Item]| {
             pair[0].command == command::NAV_LOITER_TO_ALT && pair[1].command == command::NAV_LAND
         };
         let index = items.windows(2).position(pair)?;
-        Some((index + 1, "the approach to a landing".to_owned()))
+        Some((
+            index + 1,
+            "NAV_LOITER_TO_ALT before a landing".to_owned(),
+            ANY,
+        ))
     };
-    row.map(|index| (index + 1, name(index))).or_else(approach)
+    of_wings.or_else(land_start).or_else(approach)
 }

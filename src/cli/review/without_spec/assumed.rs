@@ -89,11 +89,11 @@ pub(super) fn returns(
     }
 }
 
-/// The sentence for a copter whose autopilot flies slopes in another way in a later version.
+/// The sentence for a copter whose autopilot flies slopes in another way in a later version, which is judged too.
 fn slopes(vehicle: &Vehicle) -> Option<String> {
     let range = vehicle.facts().heights_at_once?;
     Some(format!(
-        "{}: slopes are flown evenly; {} {range} is at the altitude of the end of a leg soon after its beginning, which is not judged",
+        "{}: judged as flown with even slopes, and as {} {range} flies it, which is at the altitude of the end of a leg soon after its beginning",
         vehicle.id,
         vehicle.autopilot.name()
     ))

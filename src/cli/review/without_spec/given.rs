@@ -3,7 +3,7 @@
 use crate::cli::args::Limits;
 use crate::mission::{VehicleMission, frame};
 use crate::spec::MissionSpec;
-use crate::verify::{Basis, Limit, Margin, Review};
+use crate::verify::{Basis, Landed, Limit, Margin, Review, landings};
 
 /// The bases that a flag gives, in the order of the table.
 const BY_FLAG: [Basis; 8] = [
@@ -67,6 +67,10 @@ fn is_judged(margin: &Margin, judged: Judged<'_>, limits: &Limits) -> bool {
     {
         return true;
     }
+    if margin.limit == Limit::Endurance {
+        // No flag gives one: longer than any vehicle stays aloft.
+        return true;
+    }
     if margin.limit == Limit::FlyableSpeed {
         // Judged where times are: see `without_spec::around`.
         return limits.separation.is_some();
@@ -84,7 +88,12 @@ pub(crate) fn keep_given(review: &mut Review, judged: Judged<'_>, limits: &Limit
     let spec = judged.0;
     review
         .margins
-        .retain(|margin| is_judged(margin, judged, limits));
+        .retain(|margin| margin.limit != Limit::LandingPlace && is_judged(margin, judged, limits));
+    if let Some(separation_m) = limits.separation {
+        // No file says that vehicles share a place on purpose.
+        let found = landings(&review.tracks, Landed::Stay, separation_m);
+        review.margins.extend(found);
+    }
     if limits.terrain.is_none() && !limits.no_terrain {
         for vehicle in &spec.vehicles {
             review.margins.push(Margin::unjudged(

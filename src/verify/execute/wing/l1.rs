@@ -13,6 +13,9 @@ use super::line::Line;
 use super::npfg::Npfg;
 use crate::verify::execute::legs::Knot;
 
+/// Where its course is further off the leg it may turn to either side, radians: the sign of what is left to half a circle is
+/// that of errors of some degrees, and `AP_L1_Control::_prevent_indecision` keeps it.
+const EITHER_WAY_RAD: f64 = 170.0 * std::f64::consts::PI / 180.0;
 const INTEGRAL_GAIN: f64 = 0.02;
 /// Most of the integral of the angle, radians, and where it counts.
 const INTEGRAL_RAD: f64 = 0.1;
@@ -53,6 +56,8 @@ pub(super) struct L1 {
     damping: f64,
     /// `WP_RADIUS`, at sea level.
     wp_radius_m: f64,
+    /// Where it may turn either way: 1 to the left, -1 to the right; absent: as its course is off.
+    side: Option<f64>,
 }
 
 /// A place on the way, and the leg that it is flown to follow.
@@ -101,13 +106,24 @@ impl Guidance {
         })
     }
 
-    /// The ways in which a version may turn onto the next leg, each to be judged: ArduPlane may be faster than planned.
+    /// The ways in which a version may turn onto the next leg, each to be judged: ArduPlane may be faster than planned, and turn
+    /// to either side where its course is nearly opposite to the leg.
     pub(crate) fn variants(self, version: Option<Version>) -> impl Iterator<Item = Self> {
         let faster = 1.0 + self.faster_share;
         let ways = match self.law {
-            Law::L1(_) => {
-                let faster = (self.faster_share > 0.0).then_some((self.law, faster));
-                [Some((self.law, 1.0)), faster, None, None]
+            Law::L1(law) => {
+                let to = |side: f64| {
+                    let side = Some(side);
+                    Law::L1(L1 { side, ..law })
+                };
+                let ways = [
+                    (to(1.0), 1.0),
+                    (to(-1.0), 1.0),
+                    (to(1.0), faster),
+                    (to(-1.0), faster),
+                ];
+                let is_faster = self.faster_share > 0.0;
+                ways.map(|way| Some(way).filter(|way| is_faster || way.1 <= 1.0))
             }
             Law::Npfg(npfg) => npfg
                 .variants(version)
@@ -290,6 +306,7 @@ impl L1 {
             period_s: value("NAVL1_PERIOD")?,
             damping: value("NAVL1_DAMPING")?,
             wp_radius_m: value("WP_RADIUS")?,
+            side: None,
         })
     }
 
@@ -314,7 +331,10 @@ impl L1 {
             wing.integral_rad = sum.clamp(-INTEGRAL_RAD, INTEGRAL_RAD);
         }
         to_leg_rad += wing.integral_rad;
-        let off_rad = line.right(velocity).atan2(line.ahead(velocity));
+        let mut off_rad = line.right(velocity).atan2(line.ahead(velocity));
+        if let Some(side) = self.side.filter(|_| off_rad.abs() > EITHER_WAY_RAD) {
+            off_rad = side * off_rad.abs();
+        }
         let angle_rad = (to_leg_rad + off_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
         // To the left where the leg is to the left.
         let gain = 4.0 * self.damping * self.damping;
@@ -359,6 +379,7 @@ mod tests {
                 period_s: 17.0,
                 damping: 0.75,
                 wp_radius_m,
+                side: None,
             }),
             pace: 1.0,
             faster_share: behaviour.faster_share.value(None),
@@ -449,6 +470,25 @@ mod tests {
                     "{angle_deg} degrees at {speed_mps} m/s: {found_m} m, flown {flown_m} m"
                 );
             }
+        }
+    }
+
+    /// A step of the integration decided on which side of its leg it was judged, 8 m further out than in the second model.
+    #[test]
+    fn a_wing_that_turns_back_is_judged_on_both_sides() {
+        for turn_deg in [179.999, 176.0, 150.0] {
+            let knots = corner(turn_deg, 440.0);
+            let sides = guidance(33.56, 50.0).variants(None).map(|guidance| {
+                let fixes = guidance.follow(&knots, &[18.0, 18.0]);
+                let north_m = fixes.iter().map(|fix| fix.at.north_m);
+                let (low_m, high_m) = north_m.fold((0.0_f64, 0.0_f64), |(low, high), north| {
+                    (low.min(north), high.max(north))
+                });
+                high_m > -low_m
+            });
+            let sides: Vec<bool> = sides.collect();
+            let is_either = sides.contains(&true) && sides.contains(&false);
+            assert_eq!(is_either, turn_deg > 170.0, "{turn_deg}: {sides:?}");
         }
     }
 

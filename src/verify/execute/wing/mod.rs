@@ -53,7 +53,8 @@
 //! leg. With `n` the sum of the three, at most 90 degrees, the law demands `4 z^2 v^2 sin(n) / L` to the left, by
 //! the bank whose tangent is that over `g`, at most `ROLL_LIMIT_DEG` or else that of the load factor. The bank
 //! follows within 0.5 s (an error of it falls to `1/e`), and 0.7 of what it gives turns the wing. The speed through
-//! the air is that of the leg; of planes a second way is judged with 1.08 of that (one was 1.08 times as fast behind its climb-out).
+//! the air is that of the leg; a second way is judged with 1.08 of that (a plane was 1.08 times as fast behind its climb-out).
+//! Where `n2` is more than 170 degrees it may turn to either side, and both ways are judged.
 //!
 //! It begins at the first place on the course of the first leg, and takes the next leg abeam of the end of one, or
 //! where that end is nearer than `WP_RADIUS` (90 m) times the square of the true over the indicated airspeed, or

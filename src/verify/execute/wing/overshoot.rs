@@ -48,14 +48,20 @@ impl Pilot<'_> {
         if knots.len() < 3 {
             return Ok(());
         }
-        let (before_s, mut late_s) = (self.trajectory.late_s, 0.0_f64);
+        let before_s = self.trajectory.late_s;
+        let mut late_s = before_s;
+        let mut known = Vec::new();
         for guidance in guidance.variants(self.vehicle.autopilot_version) {
-            self.trajectory.late_s = before_s;
             let fixes = guidance.follow(knots, grounds_mps);
+            if fixes == known {
+                continue;
+            }
+            self.trajectory.late_s = before_s;
             self.widen(knots, firsts, &fixes);
             late_s = late_s.max(self.trajectory.late_s);
             let lines = self.leg_lines(knots, firsts)?;
             self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)?;
+            known = fixes;
         }
         self.trajectory.late_s = late_s;
         Ok(())
@@ -86,14 +92,19 @@ impl Pilot<'_> {
         for step in -steps..=steps {
             let off_rad = most_rad * f64::from(step) / f64::from(steps);
             let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
+            let mut known = Vec::new();
             for guidance in guidance.variants(self.vehicle.autopilot_version) {
                 let fixes = guidance.arrive(
                     (Line::new(from, place.at), turn_rad),
                     &knots[on..=end],
                     &grounds_mps[on..end],
                 );
+                if fixes == known {
+                    continue;
+                }
                 self.widen_by(&firsts[on..], &fixes);
                 self.lay_way(&knots[on..=end], (&lines[on..end], &times[on..end]), &fixes)?;
+                known = fixes;
             }
         }
         Ok(())
@@ -130,10 +141,15 @@ impl Pilot<'_> {
         };
         let speeds = ground_speeds(&knots, self.vehicle)?;
         let off = |fix: &Fix| fix.leg == leg && fix.cross_track_m > TOLERANCE_M;
-        let mut turned = Vec::new();
+        let (mut turned, mut known) = (Vec::new(), Vec::new());
         for guidance in guidance.variants(self.vehicle.autopilot_version) {
-            let fixes = guidance.follow(&knots, &speeds).into_iter();
-            turned.extend(fixes.filter(off).step_by(EVERY_STRAIGHT).map(|fix| fix.at));
+            let fixes = guidance.follow(&knots, &speeds);
+            if fixes == known {
+                continue;
+            }
+            let on_it = fixes.iter().copied().filter(off);
+            turned.extend(on_it.step_by(EVERY_STRAIGHT).map(|fix| fix.at));
+            known = fixes;
         }
         Ok(turned)
     }

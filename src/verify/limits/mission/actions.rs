@@ -262,10 +262,37 @@ impl Contract<'_> {
                         missing.push(format!("{}: {why}", name()));
                     }
                 }
-                None => missing.push(format!("{}: no item does it", name())),
+                None => missing.push(format!(
+                    "{}: {}",
+                    name(),
+                    self.done_elsewhere(stop, stay, action)
+                )),
             }
         }
         missing
+    }
+
+    /// Why none of the items of a rest does an action: an item does it elsewhere, if there is one for each stop that asks
+    /// for it.
+    fn done_elsewhere(&self, stop: &Stop, stay: &Rest, action: &StopAction) -> String {
+        let (first, last) = stay.rows;
+        let rows = self.mission.items.iter().zip(1_usize..);
+        let does: Vec<usize> = rows
+            .filter(|(item, _)| self.does(item, action, stop))
+            .map(|(_, row)| row)
+            .collect();
+        let own = self.with_ends();
+        let of_tasks = self.spec.tasks.iter().flat_map(|task| &task.stops);
+        let stops = own.iter().map(|(stop, _)| stop).chain(of_tasks);
+        let asked = stops.flat_map(|stop| &stop.actions);
+        let asked = asked.filter(|other| *other == action).count();
+        let off = |row: &usize| row.abs_diff((*row).clamp(first, last));
+        match does.iter().min_by_key(|row| off(row)) {
+            Some(row) if does.len() >= asked => format!(
+                "item {row} does it, and the vehicle is nearest to the stop at items {first} to {last}"
+            ),
+            _ => "no item does it".to_owned(),
+        }
     }
 
     /// PX4 turns a gimbal only for whom controls it.
