@@ -4,8 +4,9 @@
 //! `s` km in the plane from height `a` to height `b` costs at least
 //! `S + g(s) b - g(0) a`, where `g` is any function of the way with `g' <= w` and `|g| <= 1`, and
 //! `S` the integral of `sqrt(1 - g^2)`: the potential `S(x) + g(x) z` rises by
-//! `(sqrt(1 - g^2) + g' z, g)`, which is no longer than `1 + w z`. The best `g` is the sine of the
-//! slope of the cheapest path: it descends, flies along the lowest altitude, and climbs.
+//! `(sqrt(1 - g^2) + g' z, g)`, which is no longer than `1 + w z`. The best `g` is nearly the sine of
+//! the slope of the cheapest path: it descends, flies along the lowest altitude, and climbs. What is
+//! proven is exact up to the square of that slope, and less than the least cost where it is steep.
 
 /// Halvings of the range of slopes by a third of it.
 const STEPS: usize = 100;
@@ -105,19 +106,19 @@ mod tests {
     }
 
     #[test]
-    fn it_is_what_the_cheapest_path_costs() {
-        for (length_km, heights_km, price) in [
-            (0.07, (0.02, 0.02), 1.0),
-            (0.1, (0.0, 0.05), 1.0),
-            (0.5, (0.3, 0.02), 2.0),
-            (1.2, (0.02, 0.04), 1.0),
+    fn it_is_hardly_less_than_the_cheapest_path_costs_unless_that_is_steep() {
+        for (length_km, heights_km, price, share) in [
+            (0.07, (0.02, 0.02), 1.0, 0.9999),
+            (0.1, (0.0, 0.05), 1.0, 0.996),
+            (0.5, (0.3, 0.02), 2.0, 0.94),
+            (1.2, (0.02, 0.04), 1.0, 0.9995),
         ] {
             let (proven, found) = (
                 least(length_km, heights_km, price),
                 cheapest(length_km, heights_km, price),
             );
             assert!(proven <= found + 1e-9, "{length_km}: {proven} {found}");
-            assert!(proven > found * 0.9995, "{length_km}: {proven} {found}");
+            assert!(proven > found * share, "{length_km}: {proven} {found}");
         }
     }
 
