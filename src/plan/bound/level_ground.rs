@@ -85,10 +85,10 @@ mod tests {
         let mut heights: Vec<f64> = (0..=40)
             .map(|step| from + (to - from) * share(step))
             .collect();
-        for _ in 0..4000 {
+        for _ in 0..2000 {
             for at in 1..40 {
                 let (mut low, mut high) = (0.0, 1.0_f64);
-                for _ in 0..30 {
+                for _ in 0..60 {
                     let third: f64 = (high - low) / 3.0;
                     let near = |height: f64| {
                         let three = [heights[at - 1], height, heights[at + 1]];
