@@ -2,11 +2,15 @@
 """Fleets that all cross one point: what they cost above the proven bound, and how long planning takes.
 
     tools/crossing_fleets.py SORTIE ['NAME;NAME...'] [--seeds N] [--keep DIR]
+    tools/crossing_fleets.py SORTIE NAME --orders N [--evaluations N]
 
 Copters on a circle, each with its goal opposite of its start, over flat ground. Prints a row a
 problem, of several seeds the worst of each column; processor time and memory are those of
 `sortie plan`. The exit code is 1 if a fleet breaks a limit, or if one with a freedom (departures,
 speeds, heights) costs more than the same fleet without it.
+
+With `--orders` a problem is planned with its vehicles in N random orders of priority, the first as
+given, and the cost of each is printed.
 """
 
 import argparse
@@ -14,6 +18,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import subprocess
 import sys
 import tempfile
@@ -46,7 +51,7 @@ def place(angle):
     return f"{{lat: {LAT + north:.6f}, lon: {LON + east:.6f}, agl_m: 60}}"
 
 
-def spec(count, separation_m, vertical_m, freedoms, shape, evaluations=4000):
+def spec(count, separation_m, vertical_m, freedoms, shape, evaluations=4000, order=0):
     vertical = f", vertical_m: {vertical_m}" if vertical_m else ""
     lines = [
         "sortie: 2", "name: crossing", "area:",
@@ -55,7 +60,10 @@ def spec(count, separation_m, vertical_m, freedoms, shape, evaluations=4000):
         f"separation: {{distance_m: {separation_m}, time_slack_s: 5{vertical}}}",
         f"planner: {{seed: 1, evaluations: {evaluations}}}", "mission: {fence: false}", "vehicles:",
     ]
-    for n in range(count):
+    numbers = list(range(count))
+    if order:
+        random.Random(order).shuffle(numbers)
+    for n in numbers:
         angle = (math.pi if shape == "half" else math.tau) * n / count
         goal = angle + math.pi + (0.15 * math.sin(5 * n) if shape == "uneven" else 0)
         open_keys = "".join(f", {key}" for key in freedoms)
@@ -81,13 +89,31 @@ def plan(sortie, path, seed, out):
     return fleet["cost"], fleet["bound"], broken, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
 
 
+def in_orders(sortie, name, orders, evaluations):
+    """Plans a problem with its vehicles in some orders."""
+    with tempfile.TemporaryDirectory() as temporary:
+        path = pathlib.Path(temporary) / "crossing.yaml"
+        costs = []
+        for order in range(orders):
+            path.write_text(spec(*PROBLEMS[name], evaluations, order))
+            cost, _, broken, cpu_s, _ = plan(sortie, path, 1, path.parent / "plan")
+            costs.append(math.inf if broken else cost)
+            print(f"order {order}: {cost:.4f}, {broken} violations, {cpu_s:.1f} s", flush=True)
+    print(f"least {min(costs):.4f}, as given {100 * (costs[0] / min(costs) - 1):.3f} % above it")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sortie", help="the program")
     parser.add_argument("names", nargs="?", default=";".join(PROBLEMS), help="problems, with semicolons between them")
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--keep", type=pathlib.Path, help="keep specs and plans in this folder")
+    parser.add_argument("--orders", type=int, help="random orders of priority in which one problem is planned")
+    parser.add_argument("--evaluations", type=int, default=40_000, help="of each vehicle in each order")
     options = parser.parse_args()
+    if options.orders:
+        in_orders(options.sortie, options.names, options.orders, options.evaluations)
+        return
     costs, bad = {}, False
     print("| problem | seeds | cost | bound | gap | violations | processor, s | memory, MiB |")
     print("|---|--:|--:|--:|--:|--:|--:|--:|", flush=True)

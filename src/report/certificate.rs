@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::geodesy::PlanPoint;
-use crate::plan::RouteCertificate;
+use crate::plan::{RouteBound, RouteCertificate};
 use crate::spec::MissionSpec;
 use crate::world::World;
 
@@ -27,7 +27,7 @@ pub struct CertifiedVehicle {
     pub id: String,
     /// Proven: no path that keeps the limits costs less.
     pub bound: f64,
-    /// Route by route; null where only the straight distance is proven.
+    /// Route by route; null where start and goal are the proof. The bound counts these too.
     pub routes: Vec<Option<CertifiedRoute>>,
 }
 
@@ -49,20 +49,19 @@ pub struct CertifiedRoute {
     potential_km: Vec<f64>,
 }
 
-/// The document of some vehicles: index in the spec, and the certificates of its routes with the
-/// bounds that are proven without.
+/// The document of some vehicles: index in the spec, and what is proven of its routes.
 #[must_use]
 pub fn certificate_document(
     (spec, world): (&MissionSpec, &World),
     spec_sha256: &str,
-    vehicles: Vec<(usize, Vec<Option<RouteCertificate>>)>,
+    vehicles: Vec<(usize, Vec<RouteBound>)>,
 ) -> CertificateDocument {
-    let vehicle = |(index, routes): (usize, Vec<Option<RouteCertificate>>)| CertifiedVehicle {
+    let vehicle = |(index, routes): (usize, Vec<RouteBound>)| CertifiedVehicle {
         id: spec.vehicles[index].id.clone(),
-        bound: routes.iter().flatten().map(|route| route.bound).sum(),
+        bound: routes.iter().map(|route| route.bound).sum(),
         routes: routes
             .into_iter()
-            .map(|route| route.map(certified))
+            .map(|route| route.certificate.map(certified))
             .collect(),
     };
     let origin = world.frame.origin();

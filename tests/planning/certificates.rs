@@ -81,6 +81,64 @@ fn the_checker_accepts_a_certificate_and_rejects_every_corrupted_one() {
     assert_eq!(found["accepted"], serde_json::json!([]), "{found}");
 }
 
+/// Stops 70 m apart, 20 m over the lowest altitude of flat ground, beside zones with a shape.
+const MAST: &str = "sortie: 2
+name: mast
+area:
+  south_west: {lat: 36.295, lon: -84.256}
+  north_east: {lat: 36.305, lon: -84.238}
+  min_agl_m: 30
+  max_amsl_m: 600
+terrain: {flat: {amsl_m: 400}}
+zones:
+  - {id: mast, circle: {lat: 36.3000, lon: -84.2500, radius_m: 15}, ceiling: {agl_m: 85}}
+  - {id: yard, circle: {lat: 36.2990, lon: -84.2480, radius_m: 40}}
+  - {id: hall, polygon: [[36.2985, -84.2465], [36.2995, -84.2465], [36.2995, -84.2455], [36.2985, -84.2455]]}
+vehicles:
+  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, start: {lat: 36.2980, lon: -84.2500, agl_m: 60}, finish: land, speed_mps: 6,
+     stops: [
+       {id: south, lat: 36.29955, lon: -84.2500, agl_m: 60}, {id: east, lat: 36.3000, lon: -84.24944, agl_m: 60},
+       {id: north, lat: 36.30045, lon: -84.2500, agl_m: 60}, {id: far, lat: 36.2990, lon: -84.2440, agl_m: 60}]}
+planner: {evaluations: 4000}
+";
+
+#[test]
+fn short_routes_and_heights_over_flat_ground_count_in_a_certified_bound() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("mast.yaml"), MAST).expect("a spec");
+    let plan = command::sortie(folder.path(), &["plan", "mast.yaml", "--out", "plan"]);
+    assert!(plan.status.success(), "{plan:?}");
+    let arguments = ["certify", "mast.yaml", "plan", "--cells", "40", "--json"];
+    let output = command::sortie(folder.path(), &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let vehicle = &printed["vehicles"][0];
+    let gap = vehicle["gap"].as_f64().expect("a gap");
+    // Before routes below 100 m and heights over flat ground counted: 13 %. The plan itself is 0.6 % above its bound.
+    assert!((0.0..0.0095).contains(&gap), "{gap}");
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let checked = |bound: f64| {
+        let path = folder.path().join("plan/certificate.json");
+        let text = std::fs::read(&path).expect("a certificate");
+        let mut document: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+        document["vehicles"][0]["bound"] = bound.into();
+        std::fs::write(&path, document.to_string()).expect("written");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let output = Command::new(&python)
+            .arg(root.join("tools/check_certificate.py"))
+            .arg(folder.path().join("mast.yaml"))
+            .arg(folder.path().join("plan"))
+            .output();
+        output.expect("python starts")
+    };
+    let bound = vehicle["bound"].as_f64().expect("a bound");
+    let (own, more) = (checked(bound), checked(bound * 1.0005));
+    assert_eq!(own.status.code(), Some(0), "{own:?}");
+    assert_eq!(more.status.code(), Some(1), "{more:?}");
+}
+
 const TASKS: &str = "tasks:
   - {id: post, visit: {lat: 36.325, lon: -84.20, agl_m: 80, hold_s: 5}}
   - {id: parcel, deliver: {from: {lat: 36.33, lon: -84.33, agl_m: 80}, to: {lat: 36.335, lon: -84.28, agl_m: 80}}}

@@ -30,6 +30,14 @@ pub(super) struct Search<'s, 'a> {
     weights: Vec<Vec<f64>>,
 }
 
+/// What changes of single vehicles led to.
+struct Repaired {
+    /// Pairs in conflict.
+    left: usize,
+    /// Whether two vehicles were in conflict after every change.
+    is_stuck: bool,
+}
+
 impl<'s, 'a> Search<'s, 'a> {
     pub(super) fn new(conflicts: &'s mut Conflicts<'a>, rng: ChaCha8Rng) -> Self {
         let count = conflicts.vehicles();
@@ -88,11 +96,15 @@ impl<'s, 'a> Search<'s, 'a> {
                 order.shuffle(&mut self.rng);
             }
             let mut choice = self.in_order(&order)?;
-            let left = self.repair(&mut choice, if beginning > 0 { MORE } else { 0 });
+            let more = if beginning > 0 { MORE } else { 0 };
+            let repaired = self.repair(&mut choice, more);
+            let left = repaired.left;
             if best.as_ref().is_none_or(|(_, least)| left < *least) {
                 best = Some((choice, left));
             }
-            if left == 0 || self.conflicts.work() > MAX_REPAIR {
+            // No order of vehicles parts two that no variants of theirs did, those at random included.
+            let is_hopeless = more > 0 && repaired.is_stuck;
+            if left == 0 || is_hopeless || self.conflicts.work() > MAX_REPAIR {
                 break;
             }
         }
@@ -161,8 +173,9 @@ impl<'s, 'a> Search<'s, 'a> {
     /// Gives other variants to vehicles in conflict, until none is left or the changes are spent.
     /// The best choice that was met, and its number of conflicts. With each change the vehicle gets
     /// `more` variants.
-    fn repair(&mut self, choice: &mut Choice, more: usize) -> usize {
+    fn repair(&mut self, choice: &mut Choice, more: usize) -> Repaired {
         let mut pairs = self.pairs(choice);
+        let mut never_apart = pairs.clone();
         let mut best = (pairs.len(), choice.clone());
         for _ in 0..REPAIRS * choice.len() {
             if pairs.is_empty() || self.conflicts.work() > MAX_REPAIR {
@@ -188,6 +201,7 @@ impl<'s, 'a> Search<'s, 'a> {
                     .iter()
                     .filter(|&&other| self.conflicts.are_in_conflict(own, other));
                 pairs.extend(near.map(|other| (vehicle.min(other.0), vehicle.max(other.0))));
+                never_apart.retain(|pair| pairs.contains(pair));
             }
             if pairs.len() < best.0 {
                 best = (pairs.len(), choice.clone());
@@ -196,7 +210,10 @@ impl<'s, 'a> Search<'s, 'a> {
         if pairs.len() > best.0 {
             *choice = best.1;
         }
-        best.0.min(pairs.len())
+        Repaired {
+            left: best.0.min(pairs.len()),
+            is_stuck: !never_apart.is_empty(),
+        }
     }
 
     /// Pairs in conflict.
@@ -224,4 +241,42 @@ impl<'s, 'a> Search<'s, 'a> {
 pub(super) fn others(choice: &Choice, but: &[usize]) -> Vec<Flown> {
     let all = choice.iter().copied().enumerate();
     all.filter(|(vehicle, _)| !but.contains(vehicle)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::Seed;
+    use crate::plan::{self, Request};
+    use crate::spec::SpecFile;
+    use crate::world;
+
+    /// A QuadPlane over the place where a copter starts and climbs at the same time.
+    const STUCK: &str = "sortie: 2
+name: stuck
+area: {south_west: {lat: -85.01, lon: -0.114737}, north_east: {lat: -84.99, lon: 0.114737}, min_agl_m: 20, max_amsl_m: 6000}
+terrain: {flat: {amsl_m: 3000}}
+vehicles:
+  - {id: v0, sysid: 1, autopilot: ardupilot, airframe: vtol, link: sim, speed_mps: 20, finish: land,
+     start: {lat: -85.003802, lon: -0.076477, agl_m: 80}, goal: {lat: -84.997751, lon: -0.053025, agl_m: 80}}
+  - {id: v1, sysid: 2, autopilot: ardupilot, airframe: copter, link: sim, speed_mps: 5, finish: loiter,
+     start: {lat: -85.002915, lon: -0.045296, agl_m: 100}, goal: {lat: -85.001332, lon: -0.027884, agl_m: 100}}
+separation: {distance_m: 100, time_slack_s: 0, vertical_m: 20}
+planner: {evaluations: 300}
+";
+
+    #[test]
+    fn the_search_ends_where_two_vehicles_were_never_apart() {
+        let path = std::path::Path::new("stuck.yaml");
+        let file = SpecFile::parse(path, STUCK.to_owned()).expect("a spec");
+        let world = world::load(&file).expect("a world");
+        let spec = &file.spec;
+        let alone = plan::plan_each_alone(spec, &world, &Request::new(1)).vehicles;
+        let mut conflicts = Conflicts::new((spec, &world), &alone).expect("paths that bend");
+        let rng = Seed(1).stream("deconfliction", 0);
+        let (_, left) = Search::new(&mut conflicts, rng).run().expect("flown alone");
+        assert_eq!(left, 1);
+        // All beginnings were made, up to all of the work.
+        assert!(conflicts.work() < MAX_REPAIR / 2, "{}", conflicts.work());
+    }
 }

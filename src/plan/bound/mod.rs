@@ -5,21 +5,23 @@
 //! so that the rest of the plane holds every path that passes. The shortest path in it, bends
 //! included but turns not limited, is no longer than any of them, and neither is its length in
 //! three dimensions with the difference in altitude of its ends. A zone that can be flown over is
-//! passed on one side, or costs the climb over it ([`lids`]). No other term of the objective is
-//! negative. Lengths are those of the objective: in planning coordinates.
+//! passed on one side, or costs the climb over it ([`lids`]). Over level ground, ends above the
+//! lowest altitude cost what is cheapest between them ([`level_ground`]). No other term of the
+//! objective is negative. Lengths are those of the objective: in planning coordinates.
 //!
 //! **Estimated.** [`estimate`] solves the relaxed problem on a grid. It errs upward.
 
 mod closed;
 mod closed_ground;
 mod estimate;
+mod level_ground;
 mod level_set;
 mod lids;
 mod potential;
 
 pub(super) use estimate::estimate;
 pub(super) use potential::certify;
-pub use potential::{Effort, RouteCertificate};
+pub use potential::{Effort, RouteBound, RouteCertificate};
 
 use lids::{Climbs, Lid, lids};
 use rayon::prelude::*;
@@ -28,7 +30,7 @@ use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::free_space::{FreeSpace, Sights};
 use crate::numeric::geometry::{Point, Ring};
 use crate::spec::{MissionSpec, Objective};
-use crate::world::World;
+use crate::world::{Terrain, World};
 
 /// Most steps of the search for the shortest path.
 const MAX_STEPS: usize = 2_000_000;
@@ -72,8 +74,7 @@ struct Passages {
     past: Vec<Option<Sights>>,
     lids: Vec<Lid>,
     climbs: Climbs,
-    /// Cost of a kilometre.
-    length: f64,
+    plain: Plain,
 }
 
 impl Passages {
@@ -83,7 +84,7 @@ impl Passages {
             past: vec![None],
             lids: Vec::new(),
             climbs: Climbs::new(spec, world),
-            length: spec.planner.weights.length,
+            plain: Plain::new(spec, world),
         }
     }
 
@@ -136,9 +137,50 @@ impl Passages {
             };
             let rise_m = rise_m.max((to.amsl.0 - from.amsl.0).abs());
             let length_m = proven_m.hypot(rise_m).max(straight_m.hypot(rise_m));
-            least = least.min(self.length * length_m / 1000.0 + altitude);
+            let over = self.plain.length * length_m / 1000.0 + altitude;
+            least = least.min(over.max(self.plain.least((from, to), proven_m)));
         }
         least
+    }
+}
+
+/// What a path costs at least by its ends and its length in the plane, whatever lies between.
+struct Plain {
+    /// Cost of a kilometre.
+    length: f64,
+    /// Over level ground: what a kilometre costs more a km higher, and the lowest altitude,
+    /// metres above mean sea level.
+    level: Option<(f64, f64)>,
+}
+
+impl Plain {
+    fn new(spec: &MissionSpec, world: &World) -> Self {
+        let weights = &spec.planner.weights;
+        let level = match (&world.terrain, spec.planner.objective) {
+            (Terrain::Flat(ground), Objective::Operational) => {
+                Some((weights.altitude, world.min_agl.over(*ground).0))
+            }
+            _ => None,
+        };
+        Self {
+            length: weights.length,
+            level,
+        }
+    }
+
+    /// Of a path that is no shorter than this in the plane.
+    fn least(&self, (from, to): (PlanPoint, PlanPoint), plane_m: f64) -> f64 {
+        let plane_m = plane_m.max(from.at.distance_m(to.at));
+        let straight_km = plane_m.hypot(to.amsl.0 - from.amsl.0) / 1000.0;
+        let known_km = match self.level {
+            Some((altitude, floor_m)) if self.length > 0.0 => {
+                let height_km = |end: PlanPoint| (end.amsl.0 - floor_m) / 1000.0;
+                let heights_km = (height_km(from), height_km(to));
+                level_ground::least(plane_m / 1000.0, heights_km, altitude / self.length)
+            }
+            _ => 0.0,
+        };
+        self.length * straight_km.max(known_km * (1.0 - TOLERANCE.0))
     }
 }
 

@@ -39,7 +39,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::bound::{self, Effort, RouteCertificate, proven};
+use super::bound::{self, Effort, RouteBound, proven};
 use super::route_context::RouteContext;
 use super::search::KnownClasses;
 use super::search_options::SearchOptions;
@@ -316,14 +316,14 @@ pub fn plan_one_at_a_time(spec: &MissionSpec, world: &World, request: &Request<'
     with_bounds(spec, world, || fleet.plan())
 }
 
-/// The certificates of the routes of one vehicle, none for a route without.
+/// What is proven of the routes of one vehicle, with certificates.
 #[must_use]
 pub fn certify(
     spec: &MissionSpec,
     world: &World,
     vehicle: usize,
     effort: &Effort<'_>,
-) -> Vec<Option<RouteCertificate>> {
+) -> Vec<RouteBound> {
     let routes = route_ends(&spec.vehicles[vehicle], &world.stations[vehicle]);
     bound::certify((spec, world), vehicle, &routes, effort)
 }

@@ -173,19 +173,20 @@ impl<'a> Nodes<'a> {
             sampled,
             cell_m: 0.0,
         };
-        nodes.cell_m = nodes.longest_diagonal_m();
+        nodes.cell_m = diagonal_m(grid);
         nodes
-    }
-
-    fn longest_diagonal_m(&self) -> f64 {
-        // A degree is nowhere longer than this.
-        const MAX_METRES_PER_DEG: f64 = 111_700.0;
-        MAX_METRES_PER_DEG * self.grid.row_step_deg.hypot(self.grid.column_step_deg)
     }
 
     fn of_row_column(&self, row: usize, column: usize) -> Option<(Point, f64)> {
         *self.sampled.get(row * self.size[1] + column)?
     }
+}
+
+/// No cell of a grid has a longer diagonal, metres.
+pub(super) fn diagonal_m(grid: &TerrainGrid) -> f64 {
+    // A degree is nowhere longer than this.
+    const MAX_METRES_PER_DEG: f64 = 111_700.0;
+    MAX_METRES_PER_DEG * grid.row_step_deg.hypot(grid.column_step_deg)
 }
 
 /// A position among nodes, not beyond them.

@@ -10,6 +10,7 @@
 //! A potential that rises too fast somewhere is scaled down until it does not: every one is a
 //! proof. How good it is depends on the mesh, and on how long [`solve`] looked for it.
 
+mod best;
 mod closed;
 mod floor;
 mod gauge;
@@ -19,12 +20,13 @@ mod solve;
 
 use std::ops::RangeInclusive;
 
-use super::{TOLERANCE, VehicleRoutes, point};
+use super::{Plain, TOLERANCE, VehicleRoutes, point};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::geometry::{Point, distance};
 use crate::path::VehicleLimits;
 use crate::spec::{MissionSpec, Objective};
-use crate::world::World;
+use crate::world::{Terrain, World};
+use best::best_of;
 use closed::Closures;
 use floor::Floor;
 use mesh::{Mesh, count};
@@ -33,12 +35,8 @@ use solve::{Prices, Solver};
 
 /// Cells from start to goal on each mesh, one after the other, and the steps on it.
 const MESHES: [(usize, usize); 5] = [(20, 3000), (40, 3000), (80, 2500), (160, 2000), (320, 1200)];
-/// Steps after which a potential is looked at, and after which the clock is.
-const LOOK: usize = 50;
-const CLOCK: usize = 10;
-/// A bound that rises by no more than this share in these looks is left for the next mesh.
-const TRIFLE: f64 = 2e-5;
-const MAX_LOOKS: usize = 8;
+/// Fewest cells from start to goal.
+const MIN_CELLS: usize = 4;
 /// Most values of a potential: a finer mesh is left out.
 const MAX_VALUES: usize = 400_000;
 /// Paths this much longer than the proven bound are looked at: a bound beyond is cut off.
@@ -77,6 +75,15 @@ pub struct RouteCertificate {
     pub potential_km: Vec<f64>,
 }
 
+/// What is proven of a route.
+#[derive(Clone, Debug)]
+pub struct RouteBound {
+    /// No path that keeps the limits costs less.
+    pub bound: f64,
+    /// Proves it; without one, the ends do.
+    pub certificate: Option<RouteCertificate>,
+}
+
 /// How long to look for the certificates of a vehicle.
 pub struct Effort<'a> {
     /// Most cells of a mesh from start to goal.
@@ -87,19 +94,19 @@ pub struct Effort<'a> {
     pub is_over: &'a (dyn Fn(f64) -> bool + Sync),
 }
 
-/// Certificates of the routes of a vehicle; none for a route that is too short, for the objective
-/// of the paper, and where the plane is closed.
+/// What is proven of the routes of a vehicle. A route that is too short, and one for the objective
+/// of the paper, has no certificate.
 pub(in crate::plan) fn certify(
     (spec, world): (&MissionSpec, &World),
     vehicle: usize,
     routes: &VehicleRoutes,
     effort: &Effort<'_>,
-) -> Vec<Option<RouteCertificate>> {
+) -> Vec<RouteBound> {
     let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
     let top_m = world.max_amsl.0;
     let slopes = -limits.descent.most_by_shape(top_m)..=limits.climb.most_by_shape(top_m);
     let all = count(routes.len());
-    let route = |(index, &ends): (usize, &(PlanPoint, PlanPoint))| {
+    let certificate = |(index, ends): (usize, (PlanPoint, PlanPoint))| {
         if spec.planner.objective == Objective::Paper
             || ends.0.at.distance_m(ends.1.at) < SHORTEST_M
         {
@@ -112,12 +119,22 @@ pub(in crate::plan) fn certify(
             closures: Closures::new(spec, world),
             ends,
             longest_m: 1000.0 * proven / spec.planner.weights.length * LONGEST,
+            plain: Plain::new(spec, world),
             slopes: slopes.clone(),
             cells: effort.cells,
         };
         let progress = |share: f64| (effort.progress)((count(index) + share) / all);
         let is_over = || (effort.is_over)((count(index) + 1.0) / all);
         route.certificate(&progress, &is_over)
+    };
+    let plain = Plain::new(spec, world);
+    let route = |(index, &ends): (usize, &(PlanPoint, PlanPoint))| {
+        let certificate = certificate((index, ends));
+        let bound = match &certificate {
+            Some(found) => found.bound,
+            None => plain.least(ends, 0.0),
+        };
+        RouteBound { bound, certificate }
     };
     routes.iter().enumerate().map(route).collect()
 }
@@ -129,6 +146,7 @@ struct Route<'a> {
     closures: Closures<'a>,
     ends: (PlanPoint, PlanPoint),
     longest_m: f64,
+    plain: Plain,
     slopes: RangeInclusive<f64>,
     /// Most cells from start to goal.
     cells: usize,
@@ -147,18 +165,12 @@ impl Route<'_> {
         progress: &dyn Fn(f64),
         is_over: &dyn Fn() -> bool,
     ) -> Option<RouteCertificate> {
-        let meshes = || {
-            MESHES
-                .iter()
-                .copied()
-                .filter(|(cells, _)| *cells <= self.cells)
-        };
-        let total: f64 = meshes()
-            .map(|(cells, steps)| count(cells * cells * steps))
-            .sum();
+        let meshes = self.meshes();
+        let steps = |(cells, steps): &(usize, usize)| count(cells * cells * steps);
+        let total: f64 = meshes.iter().map(steps).sum();
         let (mut done, mut before, mut levels_km) = (0.0, None, None);
         let mut found: Option<RouteCertificate> = None;
-        for (cells, steps) in meshes() {
+        for (cells, steps) in meshes {
             // The first mesh takes little time, and is always finished.
             let is_first = found.is_none();
             let is_over = || !is_first && is_over();
@@ -200,6 +212,28 @@ impl Route<'_> {
             before = Some(coarse);
         }
         found
+    }
+
+    /// Cells and steps of each mesh. None is finer than the terrain: a floor that follows the corners of a
+    /// cell is far below it in a triangle that is smaller.
+    fn meshes(&self) -> Vec<(usize, usize)> {
+        let straight_m = self.ends.0.at.distance_m(self.ends.1.at);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a length of some cells, cut off"
+        )]
+        let whole = |cells: f64| cells as usize;
+        let most = match &self.world.terrain {
+            Terrain::Grid(grid) => whole(straight_m / floor::diagonal_m(grid)).max(MIN_CELLS),
+            _ => usize::MAX,
+        };
+        let asked = MESHES.iter().filter(|(cells, _)| *cells <= self.cells);
+        let mut meshes: Vec<_> = asked
+            .map(|&(cells, steps)| (cells.min(most), steps))
+            .collect();
+        meshes.dedup_by_key(|mesh| mesh.0);
+        meshes
     }
 
     fn stage(&self, cells: usize) -> Stage {
@@ -294,7 +328,13 @@ impl Route<'_> {
         let length = self.spec.planner.weights.length;
         let proven = solver.proven().min(length * self.longest_m / 1000.0);
         let bound = proven * (1.0 - TOLERANCE.0) - length * TOLERANCE.1 / 1000.0;
-        (bound.max(0.0), solver.potential)
+        // Without levels it is a length in the plane.
+        let plane_m = match prices.levels_km.len() {
+            1 => 1000.0 * bound.max(0.0) / length,
+            _ => 0.0,
+        };
+        let by_ends = self.plain.least(self.ends, plane_m);
+        (bound.max(by_ends), solver.potential)
     }
 
     fn document(&self, found: &Coarse, bound: f64, potential_km: Vec<f64>) -> RouteCertificate {
@@ -311,52 +351,6 @@ impl Route<'_> {
             potential_km,
         }
     }
-}
-
-/// The best potential of a search.
-#[derive(Default)]
-struct Best {
-    proven: f64,
-    potential: Vec<f64>,
-    /// What was proven when it last rose by more than a trifle, and looks since then.
-    risen: f64,
-    looks: usize,
-}
-
-impl Best {
-    fn look(&mut self, solver: &Solver<'_>) {
-        let proven = solver.proven();
-        if proven > self.proven || self.potential.is_empty() {
-            self.proven = proven;
-            self.potential.clone_from(&solver.potential);
-        }
-        self.looks += 1;
-        if self.proven > self.risen * (1.0 + TRIFLE) {
-            (self.risen, self.looks) = (self.proven, 0);
-        }
-    }
-}
-
-/// The best potential of some steps, or of fewer where it rises no more or the time is over.
-fn best_of(
-    solver: &mut Solver<'_>,
-    (balance, steps): (f64, usize),
-    said: &dyn Fn(usize),
-    is_over: &dyn Fn() -> bool,
-) -> Best {
-    let mut best = Best::default();
-    for step in 1..=steps {
-        solver.step(balance);
-        let is_last = step % CLOCK == 0 && is_over();
-        if step % LOOK == 0 || is_last {
-            best.look(solver);
-            said(step);
-        }
-        if is_last || best.looks >= MAX_LOOKS {
-            break;
-        }
-    }
-    best
 }
 
 /// Levels over the floor of a coarse mesh, km.
