@@ -348,7 +348,7 @@ mod tests {
             (&ardupilot::ARDUPLANE, ["TECS_CLMB_MAX", "TECS_SINK_MAX"]),
             (&ardupilot::QUADPLANE, ["Q_WP_SPEED_UP", "Q_WP_SPEED_DN"]),
             (&px4::COPTER, ["MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"]),
-            (&px4::PLANE, ["FW_T_CLMB_R_SP", "FW_T_SINK_R_SP"]),
+            (&px4::PLANE, ["FW_T_CLMB_MAX", "FW_T_SINK_MAX"]),
             (&px4::VTOL, ["MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"]),
         ] {
             let defaults = facts.defaults;

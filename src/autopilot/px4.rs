@@ -209,7 +209,7 @@ pub(super) static PLANE: Facts = Facts {
     },
     parameters: &[parameters::PX4_WING],
     // FW_T_CLMB_R_SP and FW_T_SINK_R_SP: with what it changes its altitude on a mission, whatever the greatest are (1.17
-    // climbed at 3 of 5 m/s); no parameter has the acceleration of a takeoff run.
+    // climbed at 3 of 5 m/s), and plans set them; no parameter has the acceleration of a takeoff run.
     defaults: Defaults {
         cruise_parameter: "FW_AIRSPD_TRIM",
         speed_parameters: [Some("FW_AIRSPD_MIN"), Some("FW_AIRSPD_MAX")],
@@ -217,8 +217,8 @@ pub(super) static PLANE: Facts = Facts {
         motion_parameters: None,
         rotor_parameters: None,
         bank_parameter: Some("FW_R_LIM"),
-        climb_mps: 3.0,
-        descent_mps: 2.0,
+        climb_mps: 5.0,
+        descent_mps: 5.0,
         accel_mps2: 3.0,
     },
     corners: None,

@@ -31,11 +31,18 @@
 //! it was at the beginning of the leg. The ground is bilinear between the heights of its
 //! source.
 //!
+//! **Ground that is followed.** ArduPilot follows a surface that is bilinear between posts of its own, `TERRAIN_SPACING`
+//! apart (100 m), with the heights of the same source, and moves all of it so that it is on the ground at home, by 30 m at
+//! most. Where the posts lie is its affair: at each place that surface may be as far below and above the ground as the worst of
+//! 16 ways has it, the place lying 0 to 3 quarters of a cell east and north of a post. Heights above ground, and altitudes for
+//! ceilings and zones, are judged with that and with what it is above and below at home; distances of vehicles with the greater.
+//!
 //! **From stop to stop.** The vehicle rests after the takeoff, at a waypoint with a hold,
 //! at `NAV_LOITER_TIME` and `NAV_LOITER_UNLIM`, before the descent of a landing, before a return,
 //! where the table below says so, and
-//! where two items in a row are at one place (within 0.025 m) at different altitudes:
-//! there it goes straight up with `climb_mps` or down with `descent_mps`. In between:
+//! where two items in a row are at one place (within 0.025 m): at different altitudes a copter goes
+//! straight up there with `climb_mps` or down with `descent_mps`. Of a wing such items are not judged, nor is a spline
+//! after them. In between:
 //!
 //! - A leg's cruise speed is that of the last `DO_CHANGE_SPEED` before the item that it
 //!   leads to, else that of the parameters, else the spec's.
@@ -113,8 +120,8 @@
 //! `climb_mps` and `descent_mps` allow, and `sqrt(0.5 a r)` in bends of radius `r`; it changes with `0.5 a`.
 //!
 //! **Circles on rotors** (ArduCopter `NAV_LOITER_TURNS`, by its sources). From rest straight to the edge of the circle,
-//! at the altitude of the item: on the line to the middle, `r` times the horizontal over the spatial distance from it. Rest
-//! there. The turns with the slower of the speed, `sqrt(0.5 a r)` and `CIRCLE_RATE` (20 degrees a second), then
+//! at the altitude of the item: on the line to the middle, `r` times the horizontal over the spatial distance from it, since
+//! 4.7 `r` from it. Of no known version the first, and in space straight to the second as well. Rest there. The turns with the slower of the speed, `sqrt(0.5 a r)` and `CIRCLE_RATE` (20 degrees a second), then
 //! along the tangent to rest within `a / 2 + v^2 / 2a`, or `v` times a second where `v < a`. Without a radius that of
 //! the circle before, or `CIRCLE_RADIUS` (10 m). Not judged from within 3 m of the middle.
 //!
@@ -126,7 +133,7 @@
 //! altitude and speed fails.
 //!
 //! **Payload.** Down from the altitude that it has, with a speed between `descent_mps` and that of a landing, to the ground
-//! or by param1 at most, and up again with `climb_mps`.
+//! or by param1 at most, for `PLDP_DELAY` seconds there, and up again with `climb_mps`.
 //!
 //! **Where a wing turns.** A waypoint of ArduPlane with 1 m or more in `param2` is not judged: it turns that far before it. So is one of
 //! a PX4 wing where `param2` is more than the radius of its turns.

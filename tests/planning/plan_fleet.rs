@@ -53,7 +53,7 @@ fn over_flat_ground_a_copter_flies_the_straight_line() {
     let (world, plan) = plan(&spec);
     let vehicle = &plan.vehicles[0];
     assert!(vehicle.terms.is_clean(), "{:?}", vehicle.terms);
-    assert!(vehicle.terms.length >= vehicle.bound);
+    assert!(vehicle.terms.total() >= vehicle.bound);
     assert!(vehicle.terms.length < 1.001 * vehicle.bound, "{vehicle:?}");
     assert!(vehicle.estimate >= vehicle.bound);
     assert!(vehicle.evaluations <= spec.planner.evaluations);
