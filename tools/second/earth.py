@@ -74,29 +74,35 @@ class Ground:
         across = metres * self.step[0] * math.cos(math.radians(self.north))
         dx = np.abs(np.diff(self.heights, axis=1)) / across
         dy = np.abs(np.diff(self.heights, axis=0)) / (metres * self.step[1])
+        self.at_home = {}
         self.steepest = float(np.hypot(np.maximum(dx[:-1], dx[1:]), np.maximum(dy[:, :-1], dy[:, 1:])).max())
 
     def posts_apart(self, lat, lon, spacing):
         """How far a surface, bilinear between posts so far apart, may be below and above the ground: the worst of
         16 ways in which the place may lie between the posts."""
-        lat, lon, here = np.asarray(lat), np.asarray(lon), self.height(lat, lon)
-        prime = A / np.sqrt(1 - E2 * np.sin(np.radians(lat)) ** 2)
-        north = np.degrees(1 / (prime * (1 - E2) / (1 - E2 * np.sin(np.radians(lat)) ** 2)))
-        east = np.degrees(1 / (prime * np.cos(np.radians(lat))))
-        below, above = np.zeros(np.shape(here)), np.zeros(np.shape(here))
-        for x in (0, 0.25, 0.5, 0.75):
-            for y in (0, 0.25, 0.5, 0.75):
-                posts = sum((x if right else 1 - x) * (y if up else 1 - y)
-                            * self.height(lat + (up - y) * spacing * north, lon + (right - x) * spacing * east)
-                            for right in (0, 1) for up in (0, 1))
+        lat, lon, here = np.asarray(lat), np.asarray(lon), np.asarray(self.height(lat, lon))
+        flat = 1 - E2 * np.sin(np.radians(lat)) ** 2
+        north = np.degrees(flat**1.5 / (A * (1 - E2)))
+        east = np.degrees(np.sqrt(flat) / (A * np.cos(np.radians(lat))))
+        # The ground at quarters of a cell around each place: up along the last axis but one, right along the last.
+        quarters = np.arange(-3, 5) * spacing / 4
+        around = self.height(lat[..., None, None] + quarters[:, None] * north[..., None, None],
+                             lon[..., None, None] + quarters * east[..., None, None])
+        below, above = np.zeros(here.shape), np.zeros(here.shape)
+        for x in range(4):
+            for y in range(4):
+                low, high = around[..., 3 - y, :], around[..., 7 - y, :]
+                south, north_side = ((row[..., 3 - x] * (4 - x) + row[..., 7 - x] * x) / 4 for row in (low, high))
+                posts = (south * (4 - y) + north_side * y) / 4
                 below, above = np.maximum(below, here - posts), np.maximum(above, posts - here)
         return below, above
 
     def followed_apart(self, lat, lon, home, spacing, most=30.0):
         """The same of a surface that is moved so that it is on the ground at home, by no more than `most` (TERRAIN_OFS_MAX)."""
         below, above = self.posts_apart(lat, lon, spacing)
-        at_home = [min(float(off), most) for off in self.posts_apart(*home, spacing)]
-        return below + at_home[1], above + at_home[0]
+        if home not in self.at_home:
+            self.at_home[home] = [min(float(off), most) for off in self.posts_apart(*home, spacing)]
+        return below + self.at_home[home][1], above + self.at_home[home][0]
 
     def height(self, lat, lon):
         row = (self.north - np.asarray(lat)) / self.step[1]

@@ -45,6 +45,7 @@ class Law:
     turning_share = TURNING_SHARE
     pace = 1.0  # speed through the air, as a share of that of the leg
     side = 1  # where the course is more than 170 degrees off, it turns to the left
+    may_turn_either_way = False  # whether its last way had such a place
 
     paces = 1.0, 1.0 + FASTER_SHARE
 
@@ -72,6 +73,7 @@ class Law:
         nu1 = math.asin(min(max(right / length, -math.sqrt(0.5)), math.sqrt(0.5)))
         nu2 = math.atan2(east * leg.north - north * leg.east, east * leg.east + north * leg.north)
         if abs(nu2) > EITHER_WAY_RAD:
+            self.may_turn_either_way = True
             nu2 = self.side * abs(nu2)
         nu = min(max(nu1 + integral + nu2, -math.pi / 2), math.pi / 2)
         across = 4 * self.damping**2 * speed**2 / length * math.sin(nu)
@@ -84,9 +86,17 @@ class Law:
     def both(self, fly):
         """What it flies as fast as planned, and faster, to the left and to the right where it may turn either way."""
         for self.pace in self.paces:
-            for self.side in (1, -1):
-                yield fly(self)
+            yield from self.sides(fly)
         self.pace = 1.0
+
+    def sides(self, fly):
+        """What it flies, and to the other side where it may turn either way."""
+        self.side, self.may_turn_either_way = 1, False
+        yield fly(self)
+        if self.may_turn_either_way:
+            self.side = -1
+            yield fly(self)
+            self.side = 1
 
     def follow(self, flat, amsl, speeds, wind, judged=JUDGED_S):
         """The way along legs from the first place on the course of the first leg, half a second or so at a time:
@@ -175,6 +185,7 @@ class Px4Law(Law):
         asked = course + math.asin(min(max(from_right / air, -1.0), 1.0))
         error = (asked - heading + math.pi) % (2 * math.pi) - math.pi
         if abs(error) > math.radians(150):
+            self.may_turn_either_way = True
             error = self.side * abs(error)
         across = 0.8885 * air * math.sin(min(max(error, -math.pi / 2), math.pi / 2))
         roll = min(max(math.atan(across / G), -self.limit), self.limit)
@@ -184,5 +195,4 @@ class Px4Law(Law):
         """What it flies to the right and to the left where it may turn either way, and as 1.17 and 1.18 take the next leg:
         these missions do not say their version."""
         for self.early in (False, True):
-            for self.side in (1, -1):
-                yield fly(self)
+            yield from self.sides(fly)

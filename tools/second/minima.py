@@ -100,7 +100,7 @@ def over_ground(flight, judged, share):
 
     def value(shapes, index, s):
         if shapes.follows:
-            return shapes.value(index, s) - ground.followed_apart(*shapes.place(index, s), flight.home.at, POSTS_M)[0]
+            return shapes.value(index, s) - ground.followed_apart(*shapes.place(index, s), tuple(flight.home.at), POSTS_M)[0]
         amsl = shapes.amsl(ground, index, s)
         over = amsl - ground.height(*shapes.place(index, s))
         return over - share * (amsl - shapes.floor[index]) if share else over
@@ -114,12 +114,14 @@ def over_ground(flight, judged, share):
 def posts_off(flight):
     """How far the altitudes of what follows the terrain may be off, at most."""
     worst = 0.0
+    if not flight.follows:
+        return worst
     for shapes in bundles(flight.everywhere()):
         if shapes.follows:
             for index, length in enumerate(shapes.length):
                 s = np.linspace(0, 1, max(2, math.ceil(length / 4)))
                 places = shapes.place(np.full(len(s), index), s)
-                worst = max(worst, max(float(off.max()) for off in flight.ground.followed_apart(*places, flight.home.at, POSTS_M)))
+                worst = max(worst, max(float(off.max()) for off in flight.ground.followed_apart(*places, tuple(flight.home.at), POSTS_M)))
     return worst
 
 
@@ -127,7 +129,7 @@ def ceiling(flight):
     """The greatest altitude, negative, so that it is a least value."""
 
     def value(shapes, index, s):
-        off = np.maximum(*flight.ground.followed_apart(*shapes.place(index, s), flight.home.at, POSTS_M)) if shapes.follows else 0.0
+        off = np.maximum(*flight.ground.followed_apart(*shapes.place(index, s), tuple(flight.home.at), POSTS_M)) if shapes.follows else 0.0
         return -shapes.amsl(flight.ground, index, s) - off
 
     def slope(shapes):
