@@ -5,12 +5,10 @@ use std::fs;
 
 use serde_json::Value;
 
+use crate::flown_otherwise::{fails, up};
 use crate::support::command::{sortie, text};
-use crate::without_spec::{COPTER, HOME, Row, land, review, waypoint};
+use crate::without_spec::{COPTER, HOME, Row, file_of, land, review, waypoint};
 
-fn up() -> Row {
-    Row(22, 3, [0.0; 4], HOME.0, HOME.1, 50.0)
-}
 fn spline(lat: f64, lon: f64, above_m: f64) -> Row {
     Row(82, 3, [0.0; 4], lat, lon, above_m)
 }
@@ -23,22 +21,10 @@ fn plane(places: &[(f64, f64, f64)]) -> Vec<Row> {
     rows
 }
 
-fn fails(rows: &[Row], flags: &[&str], why: &str) {
-    let (code, out, errors) = review(HOME, rows, flags);
-    assert_eq!(code, Some(4), "{out}{errors}");
-    assert!(out.contains(why), "{why}: {out}");
-}
-
 /// What a review writes with `--trajectories`, of the only vehicle; next to the mission stand parameters.
 fn trajectory(rows: &[Row], params: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut file = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n".to_owned();
-    for (index, Row(command, frame, [a, b, c, d], lat, lon, alt)) in rows.iter().enumerate() {
-        let seq = index + 1;
-        file +=
-            &format!("{seq}\t0\t{frame}\t{command}\t{a}\t{b}\t{c}\t{d}\t{lat}\t{lon}\t{alt}\t1\n");
-    }
-    fs::write(folder.path().join("m.waypoints"), file).expect("written");
+    fs::write(folder.path().join("m.waypoints"), file_of(HOME, rows)).expect("written");
     fs::write(folder.path().join("m.params"), params).expect("written");
     let flags = ["review", "m.waypoints", "--trajectories", "t.json"];
     let output = sortie(folder.path(), &[&flags[..], &COPTER].concat());

@@ -6,14 +6,14 @@ use crate::support::command::{sortie, text};
 use crate::without_spec::{COPTER, HOME, Row, land, review, waypoint};
 
 /// A takeoff and an order as both autopilots accept them.
-fn up() -> Row {
+pub(crate) fn up() -> Row {
     Row(22, 3, [0.0; 4], HOME.0, HOME.1, 50.0)
 }
 fn order(number: u16, params: [f32; 4]) -> Row {
     Row(number, 2, params, 0.0, 0.0, 0.0)
 }
 
-fn fails(rows: &[Row], flags: &[&str], why: &str) {
+pub(crate) fn fails(rows: &[Row], flags: &[&str], why: &str) {
     let (code, out, errors) = review(HOME, rows, flags);
     assert_eq!(code, Some(4), "{out}{errors}");
     assert!(out.contains(why), "{out}");

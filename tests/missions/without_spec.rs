@@ -30,12 +30,8 @@ pub(crate) fn command(number: u16, params: [f32; 4]) -> Row {
 
 pub(crate) const HOME: (f64, f64) = (46.0, 8.0);
 
-/// Exit code, standard output and standard error of a review of these rows.
-pub(crate) fn review(
-    home: (f64, f64),
-    rows: &[Row],
-    flags: &[&str],
-) -> (Option<i32>, String, String) {
+/// A `.waypoints` file of rows, with a home.
+pub(crate) fn file_of(home: (f64, f64), rows: &[Row]) -> String {
     let mut file = format!(
         "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t{}\t{}\t500\t1\n",
         home.0, home.1
@@ -45,8 +41,17 @@ pub(crate) fn review(
         file +=
             &format!("{seq}\t0\t{frame}\t{command}\t{a}\t{b}\t{c}\t{d}\t{lat}\t{lon}\t{alt}\t1\n");
     }
+    file
+}
+
+/// Exit code, standard output and standard error of a review of these rows.
+pub(crate) fn review(
+    home: (f64, f64),
+    rows: &[Row],
+    flags: &[&str],
+) -> (Option<i32>, String, String) {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("m.waypoints"), file).expect("written");
+    fs::write(folder.path().join("m.waypoints"), file_of(home, rows)).expect("written");
     let mut arguments = vec!["review", "m.waypoints"];
     arguments.extend(flags);
     let output = sortie(folder.path(), &arguments);

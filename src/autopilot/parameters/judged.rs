@@ -62,9 +62,12 @@ const UNSET: Judged = Judged::Negative;
 /// `PSC_ANGLE_MAX` limits the lean below `ANGLE_MAX`; with `OA_TYPE` it stops at waypoints and goes around.
 pub(in crate::autopilot) const COPTER_JUDGED: &[(&str, Judged)] =
     &[("PSC_ANGLE_MAX", OFF), ("OA_TYPE", OFF)];
-/// Without these it cannot hold the climb of `TECS_CLMB_MAX`: with `TECS_PITCH_MAX` 8 one flew 100 m below its line (ArduPlane
-/// 4.7.0-beta1; 0 is that of `PTCH_LIM_MAX_DEG`); with `THR_MAX` 50 it held its slope.
-const PITCH_DEG: Judged = Judged::AtLeast(15.0);
+/// Pitch of `TECS_PITCH_MAX`, 0 for that of `PTCH_LIM_MAX_DEG`: with 8 a plane did not hold the climb of `TECS_CLMB_MAX` and
+/// flew 100 m below its line (ArduPlane 4.7.0-beta1, simulated).
+const CLIMB_PITCH: Judged = Judged::ZeroOr(15.0);
+const PITCH_LIMIT: Judged = Judged::AtLeast(15.0);
+/// Of `THR_MAX`, percent: with 50 it held its slope.
+const CLIMB_THROTTLE: Judged = Judged::AtLeast(50.0);
 /// `IMMEDIATE_CLIMB_IN_AUTO` (bit 14); in wind a ground speed that is held, up and down in thermals. Without an airspeed
 /// sensor, or with one that counts only at zero throttle (`ARSPD_USE` 2), `AP_TECS::_update_speed` takes its speed to be
 /// the one that it should have, and the throttle alone decides how fast it flies.
@@ -76,9 +79,9 @@ pub(in crate::autopilot) const PLANE_JUDGED: &[(&str, Judged)] = &[
     ("ARSPD_ENABLE", ON),
     ("ARSPD_TYPE", Judged::IsNot(0)),
     ("ARSPD_USE", ON),
-    ("TECS_PITCH_MAX", Judged::ZeroOr(15.0)),
-    ("PTCH_LIM_MAX_DEG", PITCH_DEG),
-    ("THR_MAX", Judged::AtLeast(50.0)),
+    ("TECS_PITCH_MAX", CLIMB_PITCH),
+    ("PTCH_LIM_MAX_DEG", PITCH_LIMIT),
+    ("THR_MAX", CLIMB_THROTTLE),
     ("Q_ENABLE", OFF),
 ];
 /// Those of `Q_OPTIONS` for an approach on the wing (bit 4) and altitudes of takeoffs (bit 3).
@@ -90,9 +93,9 @@ pub(in crate::autopilot) const QUADPLANE_JUDGED: &[(&str, Judged)] = &[
     ("ARSPD_ENABLE", ON),
     ("ARSPD_TYPE", Judged::IsNot(0)),
     ("ARSPD_USE", ON),
-    ("TECS_PITCH_MAX", Judged::ZeroOr(15.0)),
-    ("PTCH_LIM_MAX_DEG", PITCH_DEG),
-    ("THR_MAX", Judged::AtLeast(50.0)),
+    ("TECS_PITCH_MAX", CLIMB_PITCH),
+    ("PTCH_LIM_MAX_DEG", PITCH_LIMIT),
+    ("THR_MAX", CLIMB_THROTTLE),
     ("Q_OPTIONS", Judged::Without(1 << 3 | 1 << 4)),
     ("Q_ENABLE", ON),
 ];
