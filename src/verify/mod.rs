@@ -121,7 +121,7 @@
 //!
 //! **Circles on rotors** (ArduCopter `NAV_LOITER_TURNS`, by its sources). From rest straight to the edge of the circle,
 //! at the altitude of the item: on the line to the middle, `r` times the horizontal over the spatial distance from it, since
-//! 4.7 `r` from it. Of no known version the first, and in space straight to the second as well. Rest there. The turns with the slower of the speed, `sqrt(0.5 a r)` and `CIRCLE_RATE` (20 degrees a second), then
+//! 4.7 `r` from it. Without a known version the first, and in space straight to the second as well. Rest there. The turns with the slower of the speed, `sqrt(0.5 a r)` and `CIRCLE_RATE` (20 degrees a second), then
 //! along the tangent to rest within `a / 2 + v^2 / 2a`, or `v` times a second where `v < a`. Without a radius that of
 //! the circle before, or `CIRCLE_RADIUS` (10 m). Not judged from within 3 m of the middle.
 //!

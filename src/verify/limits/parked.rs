@@ -1,5 +1,6 @@
 //! Landings where another vehicle stands: the separation counts nothing that is on the ground.
 
+use crate::numeric::digits::count;
 use crate::verify::{Limit, Margin, Moment, Requirement, Track};
 
 /// Places nearer to each other than this may be one, metres: within the errors of two positions.
@@ -60,8 +61,7 @@ pub fn landings_on_parked(margins: &[Margin]) -> Vec<String> {
     if found.len() > NAMED {
         let more = found.len() - NAMED;
         found.truncate(NAMED);
-        let plural = if more == 1 { "" } else { "s" };
-        found.push(format!("{more} more landing{plural} like these"));
+        found.push(format!("{} like these", count(more, "more landing")));
     }
     found
 }

@@ -39,8 +39,8 @@ impl Apart {
 /// In how many ways along each axis a place is taken to lie between two posts.
 const WAYS: i32 = 4;
 
-/// How far the two surfaces may be apart at a place. Where the posts lie is the autopilot's affair: the
-/// worst of 16 ways counts. Voids are judged elsewhere.
+/// How far the two surfaces may be apart at a place. The positions of the posts are not known: the
+/// worst of 16 counts. Voids are judged elsewhere.
 pub(crate) fn apart(terrain: &Terrain, at: LatLon, spacing_m: f64) -> Apart {
     if matches!(terrain, Terrain::Flat(_) | Terrain::Unknown) {
         return Apart::default();

@@ -105,8 +105,8 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    /// The place of a circle that it flies to. Before 4.7 the distance to the middle is taken in space, and so that can be
-    /// inside of the circle. Of no known version the way to the rim is judged as well, in space alone.
+    /// The place of a circle that the copter flies to. Before 4.7 it is computed from the distance to the middle in space, and
+    /// can lie inside the circle. Without a known version the leg to the rim is judged as well, in space alone.
     fn circle_edge(
         &mut self,
         (row, middle, radius_m): (usize, EastNorth, f64),
