@@ -62,12 +62,12 @@ fn measure() -> Result<(), Box<dyn Error>> {
     }
     let file = SpecFile::read(Path::new("missions/jacksboro.yaml"))?;
     let world = world::load(&file)?;
-    let heights = f64::from(PLACES) / least_s(20, || read_heights(&world));
+    let heights = f64::from(PLACES) / min_s(20, || read_heights(&world));
     writeln!(out, "{:32} {heights:12.0}", "heights")?;
     for vehicles in [1, 3] {
         let mut spec = file.spec.clone();
         spec.vehicles.truncate(vehicles);
-        let took_s = least_s(3, || {
+        let took_s = min_s(3, || {
             let request = Request::new(1);
             black_box(plan_fleet(&spec, &world, &request));
         });
@@ -156,7 +156,7 @@ fn read_heights(world: &World) {
     clippy::disallowed_methods,
     reason = "wall times are what is asked for"
 )]
-fn least_s(tries: u32, mut act: impl FnMut()) -> f64 {
+fn min_s(tries: u32, mut act: impl FnMut()) -> f64 {
     (0..tries)
         .map(|_| {
             let started = Instant::now();

@@ -14,6 +14,10 @@ pub struct Capacity {
     pub rally: usize,
     /// `DO_JUMP` items.
     pub jumps: usize,
+    /// Jumps that it makes from one item to the next; with one more its mission is over.
+    pub jumps_in_a_row: usize,
+    /// Commands without motion that it obeys from one item with motion to the next, if they are limited.
+    pub commands_in_a_row: Option<usize>,
 }
 
 /// Items that one autopilot accepts on one airframe.

@@ -32,6 +32,11 @@ pub(super) static CONVENTIONS: Conventions = Conventions {
     rejects_after_ack: false,
 };
 
+/// `AP_Mission::get_next_cmd` makes 64 jumps. `AP_Mission::advance_current_nav_cmd` looks at 254 items; with one more its
+/// mission is complete, with two it begins them again and again.
+const JUMPS_IN_A_ROW: usize = 64;
+const COMMANDS_IN_A_ROW: usize = 253;
+
 const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     location_frames: &[0, 3, 5, 6, 10, 11],
     command_frames: None,
@@ -290,6 +295,8 @@ pub(super) static ARDUCOPTER: Facts = Facts {
         fence: 70,
         rally: 46,
         jumps: 15,
+        jumps_in_a_row: JUMPS_IN_A_ROW,
+        commands_in_a_row: Some(COMMANDS_IN_A_ROW),
     },
     acceptance: COPTER_ACCEPTANCE,
     stored: &[stored_form::ARDUPILOT],
@@ -307,7 +314,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
     param_fence: parameters::ARDUCOPTER_FENCE,
     landing: Some(parameters::ARDUCOPTER_LANDING),
     returns_with: parameters::COPTER_RETURNS,
-    judged_with: parameters::COPTER_JUDGED,
+    judged_with: &[parameters::COPTER_JUDGED],
     defaults: Defaults {
         cruise_parameter: "WPNAV_SPEED",
         speed_parameters: [None; 2],
@@ -348,6 +355,8 @@ pub(super) static ARDUPLANE: Facts = Facts {
         fence: 84,
         rally: 46,
         jumps: 15,
+        jumps_in_a_row: JUMPS_IN_A_ROW,
+        commands_in_a_row: Some(COMMANDS_IN_A_ROW),
     },
     acceptance: PLANE_ACCEPTANCE,
     stored: &[stored_form::ARDUPLANE, stored_form::ARDUPILOT],
@@ -365,7 +374,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     param_fence: parameters::ARDUPLANE_FENCE,
     landing: None,
     returns_with: parameters::PLANE_RETURNS,
-    judged_with: parameters::PLANE_JUDGED,
+    judged_with: &[parameters::WING_JUDGED, parameters::PLANE_JUDGED],
     // TECS_CLMB_MAX, TECS_SINK_MAX; no parameter has the acceleration of a takeoff run.
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",
@@ -419,7 +428,7 @@ pub(super) static QUADPLANE: Facts = Facts {
     param_fence: parameters::ARDUPLANE_FENCE,
     landing: Some(parameters::QUADPLANE_LANDING),
     returns_with: parameters::PLANE_RETURNS,
-    judged_with: parameters::QUADPLANE_JUDGED,
+    judged_with: &[parameters::WING_JUDGED, parameters::QUADPLANE_JUDGED],
     // Climb and descent on rotors are slower than on the wing.
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",

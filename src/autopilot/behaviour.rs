@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn a_speed_and_the_lean_angle_for_it_belong_together() {
         use crate::autopilot::{Airframe, Autopilot, facts};
-        for (autopilot, stock_mps, most_mps) in [
+        for (autopilot, stock_mps, max_mps) in [
             (Autopilot::ArduPilot, 9.5, 13.6),
             (Autopilot::Px4, 9.8, 10.7),
         ] {
@@ -251,7 +251,7 @@ mod tests {
             let lean = |mps| behaviour.lean_for_speed_deg(None, mps).expect("measured");
             assert!((speed(behaviour.lean_deg) - stock_mps).abs() < 1e-9);
             assert!(
-                (speed(MAX_LEAN_DEG) - most_mps).abs() < 0.1,
+                (speed(MAX_LEAN_DEG) - max_mps).abs() < 0.1,
                 "{}",
                 speed(MAX_LEAN_DEG)
             );

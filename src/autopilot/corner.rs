@@ -131,15 +131,15 @@ impl Cornering {
         if self.law == CornerLaw::Circle {
             return speed_mps;
         }
-        let least_m = self.bend_mps() * self.ramp_s(self.bend_mps());
-        let most_mps = if length_m < least_m {
+        let min_m = self.bend_mps() * self.ramp_s(self.bend_mps());
+        let max_mps = if length_m < min_m {
             (0.25 * self.jerk_mps3 * length_m * length_m).cbrt()
         } else {
             // v (v / a + a / j) = length
             let half = 0.5 * self.accel_mps2 * self.accel_mps2 / self.jerk_mps3;
             (half * half + self.accel_mps2 * length_m).sqrt() - half
         };
-        speed_mps.min(most_mps)
+        speed_mps.min(max_mps)
     }
 
     /// How much of both legs an arc takes that cuts the corner as far as the vehicle does, metres.
@@ -214,7 +214,7 @@ impl Cornering {
 
     /// The speed nearest to the waypoint, m/s.
     #[must_use]
-    pub fn least_mps(&self, turn: &Turn) -> f64 {
+    pub fn min_mps(&self, turn: &Turn) -> f64 {
         match self.law {
             CornerLaw::Overlap => {
                 2.0 * self.speed_mps(self.overlap_s(turn)) * turn.half_rad().cos()
@@ -349,20 +349,17 @@ mod tests {
         for (turn_deg, at_10_mps, slow_mps) in FLOWN {
             for ((flown_mps, closest_m), radius_m) in at_10_mps.into_iter().zip([2.0, 5.0]) {
                 let corner = turn(turn_deg, 10.0, radius_m);
-                let least_mps = law.least_mps(&corner);
+                let min_mps = law.min_mps(&corner);
                 assert!(
-                    (least_mps - flown_mps).abs() < 0.2,
-                    "{turn_deg} {radius_m}: {least_mps}"
+                    (min_mps - flown_mps).abs() < 0.2,
+                    "{turn_deg} {radius_m}: {min_mps}"
                 );
                 let cut_m = law.taken_m(&corner) * (0.25 * corner.angle_rad).tan();
                 assert!(cut_m > closest_m - 0.05, "{turn_deg} {radius_m}: {cut_m}");
                 assert!(cut_m <= radius_m + 1e-9, "{turn_deg} {radius_m}: {cut_m}");
             }
-            let least_mps = law.least_mps(&turn(turn_deg, 5.0, 2.0));
-            assert!(
-                (least_mps - slow_mps).abs() < 0.2,
-                "{turn_deg}: {least_mps}"
-            );
+            let min_mps = law.min_mps(&turn(turn_deg, 5.0, 2.0));
+            assert!((min_mps - slow_mps).abs() < 0.2, "{turn_deg}: {min_mps}");
         }
     }
 
@@ -389,11 +386,11 @@ mod tests {
     fn arducopter_nearly_stops_where_it_may_not_accelerate_through_the_corner() {
         let law = Cornering::new(CornerLaw::Overlap, 1.5).within(1.5);
         for (speed_mps, turn_deg, flown_mps) in FLOWN_WITHIN_1500_MMPS2 {
-            let least_mps = law.least_mps(&turn(turn_deg, speed_mps, 5.0));
-            let more_mps = least_mps - flown_mps;
+            let min_mps = law.min_mps(&turn(turn_deg, speed_mps, 5.0));
+            let more_mps = min_mps - flown_mps;
             assert!(
                 (-0.1..0.25).contains(&more_mps),
-                "{turn_deg}: {least_mps}, flown {flown_mps}"
+                "{turn_deg}: {min_mps}, flown {flown_mps}"
             );
         }
         // A leg of 89 m between corners of 64 and 89 degrees took 16.3 s, without the limit 12.9 s.
@@ -407,7 +404,7 @@ mod tests {
         // Twice the acceleration limits nothing: what the law was measured with, and what plans set.
         let corner = turn(150.0, 7.1, 5.0);
         let free = Cornering::new(CornerLaw::Overlap, 1.5);
-        assert!((free.within(3.0).least_mps(&corner) - free.least_mps(&corner)).abs() < 1e-12);
+        assert!((free.within(3.0).min_mps(&corner) - free.min_mps(&corner)).abs() < 1e-12);
     }
 
     #[test]

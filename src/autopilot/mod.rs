@@ -193,7 +193,7 @@ pub struct Facts {
     /// that do not.
     pub returns_with: &'static [(&'static str, f64)],
     /// Parameters that change how all of a mission is flown, with the values that the verdict knows.
-    pub judged_with: &'static [(&'static str, Judged)],
+    pub judged_with: &'static [&'static [(&'static str, Judged)]],
     /// What it flies with unless the spec says otherwise.
     pub defaults: Defaults,
     /// How it flies around a waypoint where it slows down for one: not on a wing.

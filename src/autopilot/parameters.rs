@@ -8,7 +8,7 @@ mod judged;
 use super::command;
 use super::version::{Version, VersionRange, version};
 pub use judged::Judged;
-pub(super) use judged::{COPTER_JUDGED, PLANE_JUDGED, PX4_JUDGED, QUADPLANE_JUDGED};
+pub(super) use judged::{COPTER_JUDGED, PLANE_JUDGED, PX4_JUDGED, QUADPLANE_JUDGED, WING_JUDGED};
 
 /// Unit of the number that an autopilot stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -451,7 +451,7 @@ pub struct LandingParameters {
     /// Another height that the slow end has at least.
     pub slow_below_too: Option<&'static str>,
     /// The least height of the slow end, metres.
-    pub least_m: f64,
+    pub min_m: f64,
 }
 
 /// `Mode::land_run_vertical_control`.
@@ -462,7 +462,7 @@ pub(super) const ARDUCOPTER_LANDING: LandingParameters = LandingParameters {
     slow_is_least: true,
     slow_below: "LAND_ALT_LOW",
     slow_below_too: None,
-    least_m: 1.0,
+    min_m: 1.0,
 };
 /// `QuadPlane::landing_descent_rate_ms`, whose speed changes over the 6 m above that.
 pub(super) const QUADPLANE_LANDING: LandingParameters = LandingParameters {
@@ -472,7 +472,7 @@ pub(super) const QUADPLANE_LANDING: LandingParameters = LandingParameters {
     slow_is_least: false,
     slow_below: "Q_LAND_FINAL_ALT",
     slow_below_too: None,
-    least_m: 0.0,
+    min_m: 0.0,
 };
 /// `FlightTaskAuto::_prepareLandSetpoints`, whose speed changes from `MPC_LAND_ALT1` to `MPC_LAND_ALT2`: slow from the
 /// first on, it is not late.
@@ -483,7 +483,7 @@ pub(super) const PX4_LANDING: LandingParameters = LandingParameters {
     slow_is_least: false,
     slow_below: "MPC_LAND_ALT1",
     slow_below_too: Some("MPC_LAND_ALT2"),
-    least_m: 0.0,
+    min_m: 0.0,
 };
 
 /// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that

@@ -161,6 +161,9 @@ pub(super) static COPTER: Facts = Facts {
         fence: 64,
         rally: 32,
         jumps: 10_000,
+        // `MissionBase::getNonJumpItem` reads ten items.
+        jumps_in_a_row: 9,
+        commands_in_a_row: None,
     },
     acceptance: COPTER_ACCEPTANCE,
     stored: &[stored_form::PX4],
@@ -169,7 +172,7 @@ pub(super) static COPTER: Facts = Facts {
     param_fence: parameters::PX4_FENCE,
     landing: Some(parameters::PX4_LANDING),
     returns_with: parameters::PX4_RETURNS,
-    judged_with: parameters::PX4_JUDGED,
+    judged_with: &[parameters::PX4_JUDGED],
     defaults: Defaults {
         cruise_parameter: "MPC_XY_CRUISE",
         speed_parameters: [None, Some("MPC_XY_VEL_MAX")],

@@ -7,15 +7,15 @@ use super::print::console::{note, out};
 use super::print::failure::Failure;
 use crate::mission;
 use crate::path::lean_note;
-use crate::spec::{Document, MissionSpec, SpecFile, Survey, Vehicle, dome_of};
+use crate::spec::{AirspaceImport, Document, MissionSpec, SpecFile, Vehicle, dome_of};
 use crate::verify;
-use crate::world::{self, Stations, World};
+use crate::world::{self, FixedPoints, World};
 
 /// Zones of one file that are listed.
 const MAX_LISTED: usize = 20;
 
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
-    let mut surveys = Vec::new();
+    let mut imports = Vec::new();
     let mut needs = Vec::new();
     let (kind, vehicles, threats, zones) =
         match Document::read_known(&arguments.spec).map_err(world::with_ground)? {
@@ -23,10 +23,10 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
                 let world = world::load(&file)?;
                 let spec = &file.spec;
                 warn(&file, &world);
-                let fleet = spec.vehicles.iter().zip(&world.stations);
+                let fleet = spec.vehicles.iter().zip(&world.fixed_points);
                 needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
                 needs.extend(fences(spec));
-                surveys.clone_from(&file.surveys);
+                imports.clone_from(&file.imports);
                 let (threats, zones) = threats_and_zones(spec);
                 ("", spec.vehicles.len(), threats, zones)
             }
@@ -52,8 +52,8 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     for line in needs {
         out(&line)?;
     }
-    for survey in &surveys {
-        for line in described(survey) {
+    for import in &imports {
+        for line in described(import) {
             out(&line)?;
         }
     }
@@ -72,7 +72,7 @@ fn threats_and_zones(spec: &MissionSpec) -> (usize, usize) {
 /// with their coordinates exchanged, and of values that look like another unit.
 pub(super) fn warn(file: &SpecFile, world: &World) {
     let spec = &file.spec;
-    let fleet = spec.vehicles.iter().zip(&world.stations);
+    let fleet = spec.vehicles.iter().zip(&world.fixed_points);
     let mut texts: Vec<String> = fleet
         .flat_map(|(vehicle, of)| {
             let lean = lean_note(spec, vehicle, vehicle.speeds().most);
@@ -82,8 +82,8 @@ pub(super) fn warn(file: &SpecFile, world: &World) {
             speeds.chain(vehicle.landing_note(of.landing_rad))
         })
         .collect();
-    texts.extend(file.surveys.iter().filter_map(survey_warning));
-    texts.extend(file.surveys.iter().flat_map(unmatched_warnings));
+    texts.extend(file.imports.iter().filter_map(import_warning));
+    texts.extend(file.imports.iter().flat_map(unmatched_warnings));
     texts.extend(verify::distant_from_area(spec, &[]));
     texts.extend(world::unit_warnings(spec, world));
     for text in texts {
@@ -92,29 +92,29 @@ pub(super) fn warn(file: &SpecFile, world: &World) {
 }
 
 /// That a file of airspace or obstacles may not say what was meant.
-fn survey_warning(survey: &Survey) -> Option<String> {
-    let is_empty = [survey.out_of_reach, survey.left_out, survey.open]
+fn import_warning(import: &AirspaceImport) -> Option<String> {
+    let is_empty = [import.out_of_reach, import.left_out, import.open]
         .iter()
         .sum::<usize>()
-        + survey.zones.len()
-        + survey.without_area
+        + import.zones.len()
+        + import.without_area
         == 0;
-    if survey.exchanged > 0 {
-        let (file, exchanged) = (&survey.file, survey.exchanged);
+    if import.exchanged > 0 {
+        let (file, exchanged) = (&import.file, import.exchanged);
         return Some(format!(
             "{file}: {exchanged} out of reach would be in the area with latitude and longitude exchanged"
         ));
     }
-    is_empty.then(|| format!("{}: no zone or obstacle is in it", survey.file))
+    is_empty.then(|| format!("{}: no zone or obstacle is in it", import.file))
 }
 
 /// That `skip` or `only` asks for what a file does not have.
-fn unmatched_warnings(survey: &Survey) -> Vec<String> {
-    let unmatched = survey.unmatched.iter().map(|(word, meant)| {
+fn unmatched_warnings(import: &AirspaceImport) -> Vec<String> {
+    let unmatched = import.unmatched.iter().map(|(word, meant)| {
         let like = meant
             .as_ref()
             .map(|meant| format!(": did you mean `{meant}`?"));
-        let file = &survey.file;
+        let file = &import.file;
         format!(
             "{file}: nothing in it is `{word}`{}",
             like.unwrap_or_default()
@@ -124,8 +124,8 @@ fn unmatched_warnings(survey: &Survey) -> Vec<String> {
 }
 
 /// The course of a landing that was found.
-fn landing_course(vehicle: &Vehicle, stations: &Stations) -> Option<String> {
-    let note = mission::landing_course_note(vehicle, stations)?;
+fn landing_course(vehicle: &Vehicle, fixed_points: &FixedPoints) -> Option<String> {
+    let note = mission::landing_course_note(vehicle, fixed_points)?;
     Some(format!("  {}: {note}", vehicle.id))
 }
 
@@ -169,13 +169,13 @@ fn fences(spec: &MissionSpec) -> Vec<String> {
 }
 
 /// What became of the shapes of a file.
-fn described(survey: &Survey) -> Vec<String> {
+fn described(import: &AirspaceImport) -> Vec<String> {
     let parts = [
-        (survey.zones.len(), "zones"),
-        (survey.out_of_reach, "out of reach"),
-        (survey.left_out, "left out by only or skip"),
-        (survey.open, "that forbid nothing"),
-        (survey.without_area, "lines and points"),
+        (import.zones.len(), "zones"),
+        (import.out_of_reach, "out of reach"),
+        (import.left_out, "left out by only or skip"),
+        (import.open, "that forbid nothing"),
+        (import.without_area, "lines and points"),
     ];
     let parts = parts.iter().filter(|(number, _)| *number > 0);
     let parts: Vec<String> = parts
@@ -185,10 +185,10 @@ fn described(survey: &Survey) -> Vec<String> {
         true => "nothing".to_owned(),
         false => parts.join(", "),
     };
-    let mut lines = vec![format!("  {}: {found}", survey.file)];
-    let shown = survey.zones.iter().take(MAX_LISTED);
+    let mut lines = vec![format!("  {}: {found}", import.file)];
+    let shown = import.zones.iter().take(MAX_LISTED);
     lines.extend(shown.map(|id| format!("    {id}")));
-    if let Some(more @ 1..) = survey.zones.len().checked_sub(MAX_LISTED) {
+    if let Some(more @ 1..) = import.zones.len().checked_sub(MAX_LISTED) {
         lines.push(format!("    and {more} more"));
     }
     lines

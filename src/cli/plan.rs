@@ -18,8 +18,8 @@ use super::print::failure::Failure;
 use super::print::progress::Progress;
 use super::print::table;
 use super::print::table::Rows;
-use super::transfer::delivery;
-use super::transfer::delivery::Delivery;
+use super::transfer::fleet_transfer;
+use super::transfer::fleet_transfer::FleetTransfer;
 use super::transfer::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Improved, Improving, Stage};
@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
     watch.split("write_s");
 
     let passes = dispatched.review.passes();
-    let delivery = if arguments.upload && passes {
+    let transfer = if arguments.upload && passes {
         runs::make(&runs::folder(&target))?;
         let missions: Vec<_> = dispatched
             .missions
@@ -108,22 +108,22 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
             .map(|(vehicle, mission)| (*vehicle, mission))
             .collect();
         upload::warn_of_versions(&file, &missions);
-        Some(upload::deliver(&file, missions, &[], false, None)?)
+        Some(upload::upload_fleet(&file, missions, &[], false, None)?)
     } else {
         None
     };
-    if let Some(delivery) = &delivery {
-        delivery.record(&target)?;
+    if let Some(transfer) = &transfer {
+        transfer.record(&target)?;
         watch.split("upload_s");
     }
     if arguments.json {
         let plan = folder::plan_document(&file, &world, &dispatched);
         let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
         document["out"] = json!(target.display().to_string());
-        document["upload"] = delivery.as_ref().map_or(Value::Null, Delivery::json);
+        document["upload"] = transfer.as_ref().map_or(Value::Null, FleetTransfer::json);
         out_json(&document)?;
     } else {
-        print_result(&file, &world, &dispatched, delivery.as_ref(), &watch)?;
+        print_result(&file, &world, &dispatched, transfer.as_ref(), &watch)?;
         out(&format!("files in {}", target.display()))?;
     }
     if !passes {
@@ -131,8 +131,8 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         let message = format!("the fleet does not pass verification{unsent}");
         return Err(Failure::new(Failure::VERDICT, message));
     }
-    match delivery {
-        Some(delivery) => delivery.verdict(),
+    match transfer {
+        Some(transfer) => transfer.verdict(),
         None => Ok(()),
     }
 }
@@ -232,7 +232,7 @@ fn print_result(
     file: &SpecFile,
     world: &World,
     dispatched: &Dispatched,
-    delivery: Option<&Delivery>,
+    transfer: Option<&FleetTransfer>,
     watch: &Stopwatch,
 ) -> Result<(), Failure> {
     let (spec, review, paint) = (&file.spec, &dispatched.review, Paint::for_stdout());
@@ -253,17 +253,17 @@ fn print_result(
         },
         watch.total_s()
     ))?;
-    print_fleet(file, dispatched, delivery)?;
+    print_fleet(file, dispatched, transfer)?;
     if !review.passes() {
-        let (flown, flown_in) = dispatched.flown(spec, world);
+        let (flown, flown_in) = dispatched.planned_spec(spec, world);
         for reason in infeasibilities(flown, flown_in, &dispatched.plan) {
             out(&format!("{} {reason}", paint.bad("FAIL")))?;
         }
         out_lines(&table::failures(review, paint))?;
     }
-    if let Some(delivery) = delivery {
-        delivery.print_failures()?;
-        delivery.warn();
+    if let Some(transfer) = transfer {
+        transfer.print_failures()?;
+        transfer.warn();
     }
     warn_of_parked(review);
     for line in given_way(file, dispatched) {
@@ -295,7 +295,7 @@ fn more_columns(review: &Review) -> Vec<(&'static str, Topic)> {
 fn print_fleet(
     file: &SpecFile,
     dispatched: &Dispatched,
-    delivery: Option<&Delivery>,
+    transfer: Option<&FleetTransfer>,
 ) -> Result<(), Failure> {
     let (spec, review) = (&file.spec, &dispatched.review);
     let more = more_columns(review);
@@ -326,8 +326,8 @@ fn print_fleet(
             .iter()
             .find(|(of, _)| *of == index)
             .map(|(_, mission)| mission.items.len());
-        let report = delivery
-            .and_then(|delivery| delivery.reports.iter().find(|report| report.vehicle == id));
+        let report = transfer
+            .and_then(|transfer| transfer.reports.iter().find(|report| report.vehicle == id));
         let mut cells = vec![
             id.to_owned(),
             table::autopilot(vehicle.autopilot).to_owned(),
@@ -466,7 +466,7 @@ fn notes<'a>(file: &'a SpecFile, dispatched: &'a Dispatched) -> Vec<(&'a str, Ve
 
 fn on_board(accepted: bool, report: Option<&TransferReport>) -> String {
     match report {
-        Some(report) => delivery::state(report),
+        Some(report) => fleet_transfer::state(report),
         None if accepted => "not sent".to_owned(),
         None => "rejected".to_owned(),
     }

@@ -22,11 +22,17 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
     let speak_to = arguments.speak_to.as_deref().map(resolve).transpose()?;
     let mut running: Vec<Running> = Vec::new();
     let mut rows = Rows::new(&["vehicle", "system", "plays", "link"]);
-    for (index, (this, stations)) in file.spec.vehicles.iter().zip(&world.stations).enumerate() {
+    for (index, (this, fixed_points)) in file
+        .spec
+        .vehicles
+        .iter()
+        .zip(&world.fixed_points)
+        .enumerate()
+    {
         let profile = arguments
             .profile
             .map_or(this.autopilot.into(), Profile::from);
-        let home = Some(mission::home_at(this.home, stations.home.amsl));
+        let home = Some(mission::home_at(this.home, fixed_points.home.amsl));
         let port = port(arguments.port, index)?;
         let vehicle = start(
             arguments,

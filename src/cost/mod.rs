@@ -102,12 +102,12 @@ impl Margins {
     /// space for both, metres.
     pub(crate) fn within_m(&self, layer_m: f64) -> (f64, f64) {
         /// Share of a layer that margins may take.
-        const MOST: f64 = 0.8;
-        let most_m = MOST * (layer_m - self.line_m);
+        const MAX: f64 = 0.8;
+        let max_m = MAX * (layer_m - self.line_m);
         let more_m = self.clearance_m - self.line_m;
         let both_m = more_m + self.under_m;
-        let share = match both_m > most_m {
-            true => (most_m / both_m).max(0.0),
+        let share = match both_m > max_m {
+            true => (max_m / both_m).max(0.0),
             false => return (self.clearance_m, self.under_m),
         };
         (self.line_m + share * more_m, share * self.under_m)

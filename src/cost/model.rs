@@ -182,8 +182,8 @@ impl CostModel {
 /// Heights above ground wanted along a route: the limits and their margins, which grow from what
 /// the ends keep to the full over the first and last twentieth of the parameter.
 struct Heights {
-    least_m: f64,
-    most_m: f64,
+    min_m: f64,
+    max_m: f64,
     /// Of both ends above the relief: allowed by the terrain itself, from which a grid of it
     /// differs by millimetres, metres.
     ends_m: [f64; 2],
@@ -198,15 +198,15 @@ impl Heights {
         ends: &RouteEnds,
         margins: &Margins,
     ) -> Self {
-        let (least_m, most_m) = (world.min_agl.0, layer.max_agl_m);
-        let (above_m, below_m) = margins.within_m(most_m - least_m);
+        let (min_m, max_m) = (world.min_agl.0, layer.max_agl_m);
+        let (above_m, below_m) = margins.within_m(max_m - min_m);
         let agl_m = [ends.from, ends.to]
             .map(|end| end.amsl.0 - relief.height_m(end.at.east_m, end.at.north_m));
-        let over_m = |agl_m: f64| (agl_m - least_m).clamp(0.0, above_m.max(0.0));
-        let under_m = |agl_m: f64| (most_m - agl_m).clamp(0.0, below_m.max(0.0));
+        let over_m = |agl_m: f64| (agl_m - min_m).clamp(0.0, above_m.max(0.0));
+        let under_m = |agl_m: f64| (max_m - agl_m).clamp(0.0, below_m.max(0.0));
         Self {
-            least_m,
-            most_m,
+            min_m,
+            max_m,
             ends_m: agl_m,
             margins_m: [
                 [over_m(agl_m[0]), above_m, over_m(agl_m[1])],
@@ -229,13 +229,13 @@ impl Heights {
                 #[expect(clippy::cast_precision_loss, reason = "few samples")]
                 let at = index as f64 / (count - 1).max(1) as f64;
                 let [above_m, below_m] = self.margins_m.map(|margins| margin_m(margins, at));
-                [self.least_m + above_m, self.most_m - below_m]
+                [self.min_m + above_m, self.max_m - below_m]
             })
             .collect();
         for (end, agl_m) in [0, count.saturating_sub(1)].into_iter().zip(self.ends_m) {
-            if let Some([least_m, most_m]) = heights.get_mut(end) {
-                *least_m = least_m.min(agl_m);
-                *most_m = most_m.max(agl_m);
+            if let Some([min_m, max_m]) = heights.get_mut(end) {
+                *min_m = min_m.min(agl_m);
+                *max_m = max_m.max(agl_m);
             }
         }
         heights

@@ -30,23 +30,23 @@ pub(super) enum After {
 
 impl Timing {
     pub(super) fn new(world: &World, spec: &MissionSpec, vehicle: usize, ends: &RouteEnds) -> Self {
-        let (stations, vehicle) = (&world.stations[vehicle], &spec.vehicles[vehicle]);
+        let (fixed_points, vehicle) = (&world.fixed_points[vehicle], &spec.vehicles[vehicle]);
         let land = |ground_m: f64| After::Land {
             ground_m,
             descent_mps: vehicle.descent_mps,
         };
-        let is_homeward = ends.to.at.distance_m(stations.home.at) < 1.0;
-        let is_to_stop = !stations.stops.is_empty() && ends.to != stations.goal;
+        let is_homeward = ends.to.at.distance_m(fixed_points.home.at) < 1.0;
+        let is_to_stop = !fixed_points.stops.is_empty() && ends.to != fixed_points.goal;
         let after = match vehicle.finish {
             Finish::Land | Finish::Loiter if is_to_stop => After::Nothing,
             Finish::Loiter => After::Loiter,
-            Finish::Land => land(stations.goal_ground.0),
-            Finish::Return if is_homeward => land(stations.home.amsl.0),
+            Finish::Land => land(fixed_points.goal_ground.0),
+            Finish::Return if is_homeward => land(fixed_points.home.amsl.0),
             Finish::Return => After::Nothing,
         };
         Self {
             start_s: ends.start_s,
-            initial_mps: stations.departure.speed_at_mps(ends.from),
+            initial_mps: fixed_points.departure.speed_at_mps(ends.from),
             speed_mps: way_speed_mps(vehicle, ends.from, ends.to),
             accel_mps2: vehicle.accel_mps2,
             after,

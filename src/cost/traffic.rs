@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::Margins;
 use crate::numeric::approach::{
-    Approach, Segment, are_surely_apart, closest_approach, closest_horizontal, least_ratio,
+    Approach, Segment, are_surely_apart, closest_approach, closest_horizontal, min_ratio,
 };
 use crate::numeric::cells::{Cells, Extent};
 use crate::path::Flight;
@@ -185,12 +185,12 @@ fn most(severity: f64) -> f64 {
 /// A few numbers of runs, as long as they are few.
 #[derive(Default)]
 struct Few {
-    numbers: [usize; Self::MOST],
+    numbers: [usize; Self::MAX],
     count: usize,
 }
 
 impl Few {
-    const MOST: usize = 16;
+    const MAX: usize = 16;
 
     fn push(&mut self, number: usize) {
         if let Some(place) = self.numbers.get_mut(self.count) {
@@ -347,7 +347,7 @@ impl Traffic {
             }),
             Some(vertical_m) => closest_horizontal(own, other, self.slack_s, most * vertical_m)
                 .filter(|near| near.value < most * self.distance_m)
-                .and_then(|_| least_ratio(own, other, self.slack_s, self.distance_m, vertical_m)),
+                .and_then(|_| min_ratio(own, other, self.slack_s, self.distance_m, vertical_m)),
         };
         near.filter(|near| near.value < 1.0)
             .map_or(Severity::default(), |near| Severity {

@@ -8,7 +8,7 @@ const ROUND: [usize; 3] = [40_000, 100_000, 200_000];
 const GROWTH: usize = 4;
 /// How many times smaller other budgets are where a fleet fails, and the least.
 const PARTS: [usize; 2] = [2, 4];
-const LEAST: usize = 10_000;
+const MIN: usize = 10_000;
 
 /// Round budgets below that of a spec, each of them and the tens of them. None for what is compared
 /// with published figures at equal evaluations.
@@ -39,7 +39,7 @@ fn round() -> impl Iterator<Item = usize> {
 /// Parts of the budget of a spec.
 pub(super) fn parts(spec: &MissionSpec) -> impl Iterator<Item = usize> {
     let parts = PARTS.map(|part| spec.planner.evaluations / part);
-    parts.into_iter().take_while(|part| *part >= LEAST)
+    parts.into_iter().take_while(|part| *part >= MIN)
 }
 
 #[cfg(test)]

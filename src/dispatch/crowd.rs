@@ -8,7 +8,7 @@ use crate::world::World;
 /// Fewest vehicles of a crowd. Fewer are planned one after the other soon enough.
 const FEWEST: usize = 8;
 /// Most vehicles: the work grows with their square.
-pub(super) const MOST: usize = 60;
+pub(super) const MAX: usize = 60;
 /// Most vehicles of a crowd that are planned one by one where no plan as a whole is found: each is
 /// then planned around nearly all others, round after round.
 pub(super) const MAX_ONE_BY_ONE: usize = 14;
@@ -26,11 +26,11 @@ struct Straight {
 /// Whether straight flights of the vehicles would meet that often.
 pub(super) fn is_crowd(spec: &MissionSpec, world: &World) -> bool {
     let count = spec.vehicles.len();
-    if !(FEWEST..=MOST).contains(&count) || spec.planner.objective == Objective::Paper {
+    if !(FEWEST..=MAX).contains(&count) || spec.planner.objective == Objective::Paper {
         return false;
     }
-    let flights: Vec<Vec<Straight>> = (spec.vehicles.iter().zip(&world.stations))
-        .map(|(vehicle, stations)| straight(vehicle, route_ends(vehicle, stations)))
+    let flights: Vec<Vec<Straight>> = (spec.vehicles.iter().zip(&world.fixed_points))
+        .map(|(vehicle, fixed_points)| straight(vehicle, route_ends(vehicle, fixed_points)))
         .collect();
     let slack_s = spec.separation.time_slack_s;
     let distance_m = spec.buffered_separation().distance_m;

@@ -290,7 +290,7 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let one_by_one = with_fewer_freedoms(job);
     let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
     let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
-    let is_worth_it = !is_crowd && are_too_near && count <= crowd::MOST;
+    let is_worth_it = !is_crowd && are_too_near && count <= crowd::MAX;
     let together = || planned_together(job).filter(|found| found.review.passes());
     is_worth_it.then(together).flatten().unwrap_or(one_by_one)
 }
@@ -300,7 +300,7 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
 fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
     let found = with_nested_budgets(job);
     let count = job.spec.vehicles.len();
-    if count > crowd::MOST
+    if count > crowd::MAX
         || count > degrees_of_freedom::ALWAYS && degrees_of_freedom::nobody_pays(job.spec, &found)
     {
         return found;
@@ -323,7 +323,7 @@ fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
 /// never worse than those.
 fn with_nested_budgets(job: Job<'_>) -> Dispatched {
     let mut best = dispatch_in_rounds(job);
-    if job.spec.vehicles.len() > crowd::MOST {
+    if job.spec.vehicles.len() > crowd::MAX {
         return best;
     }
     let try_with = |best: &mut Dispatched, evaluations: usize| {
@@ -427,7 +427,7 @@ impl Dispatched {
     /// The spec and world that the plan is of: those given, or with tasks those whose vehicles
     /// have a stop for each task that they do.
     #[must_use]
-    pub fn flown<'a>(
+    pub fn planned_spec<'a>(
         &'a self,
         spec: &'a MissionSpec,
         world: &'a World,

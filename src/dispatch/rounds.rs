@@ -96,7 +96,7 @@ fn without_remaining_pairs(
     reviewer: &mut Reviewer<'_>,
     best: Dispatched,
 ) -> Dispatched {
-    let is_large = job.spec.vehicles.len() > crowd::MOST;
+    let is_large = job.spec.vehicles.len() > crowd::MAX;
     if !is_large || best.review.passes() || job.run.is_cancelled() {
         return best;
     }
@@ -154,11 +154,11 @@ impl Dispatched {
             let (a, b) = (index(&margin.vehicle)?, index(margin.other.as_deref()?)?);
             Some((a.max(b), a.min(b)))
         });
-        let mut in_the_way: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        let mut conflicting: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
         for (vehicle, other) in pairs {
-            in_the_way.entry(vehicle).or_default().insert(other);
+            conflicting.entry(vehicle).or_default().insert(other);
         }
-        for (vehicle, others) in in_the_way {
+        for (vehicle, others) in conflicting {
             let blocked_by = &mut self.plan.vehicles[vehicle].blocked_by;
             if blocked_by.is_empty() {
                 blocked_by.extend(others);

@@ -30,7 +30,7 @@ const SLIGHT_M: f64 = 0.5;
 /// A round leaves nearly as much as was missing where it is more than this share of it.
 const NEARLY: f64 = 0.9;
 /// So much of a separation is missing, as a share of it, where how far vehicles stray is the reason.
-const MOST_MISSING: f64 = 0.5;
+const MAX_MISSING: f64 = 0.5;
 /// Rounds that leave nearly as much of that, until greater distances are given up: searches with
 /// those meet nearly every motion of the other, and take many times as long.
 const MAX_FRUITLESS: usize = 2;
@@ -130,7 +130,7 @@ impl Strictness {
         let missing_m = -margin.slack();
         let known = self.missing.entry(pair).or_insert((f64::INFINITY, 0));
         let is_as_much =
-            missing_m > MOST_MISSING * margin.bound.abs() && missing_m > NEARLY * known.0;
+            missing_m > MAX_MISSING * margin.bound.abs() && missing_m > NEARLY * known.0;
         *known = (missing_m, if is_as_much { known.1 + 1 } else { 0 });
         known.1 >= MAX_FRUITLESS
     }
@@ -188,7 +188,7 @@ impl Strictness {
                 let is_beyond = |worst_s: f64| worst_s.abs() > slack_s + margins.shift_s;
                 match margin.shift {
                     Some(shift) if was_tried && missing > SLIGHT_M && is_beyond(shift.worst_s) => {
-                        margins.shift_s = shift.most_s() - slack_s;
+                        margins.shift_s = shift.max_s() - slack_s;
                     }
                     // A metre more may take much longer to wait for than the one that is missing, so that
                     // what is added begins small, and doubles.
@@ -211,11 +211,11 @@ impl Strictness {
 
 /// A buffer with more, metres: no less than the tolerance where more was not enough before.
 fn raised_m(margin_m: f64, more_m: f64, spec: &MissionSpec) -> f64 {
-    let least_m = match margin_m > NEAREST_M {
+    let min_m = match margin_m > NEAREST_M {
         true => spec.mission.tolerance_m,
         false => 0.0,
     };
-    (margin_m + more_m).max(least_m)
+    (margin_m + more_m).max(min_m)
 }
 
 /// Buffer between two vehicles in the first round, metres.

@@ -32,8 +32,8 @@ impl Descent {
         if let Some(fast_mps) = names.fast.and_then(some) {
             descent.fast_mps = fast_mps;
         }
-        let most_mps = names.most.and_then(some).unwrap_or(f64::INFINITY);
-        descent.fast_mps = descent.fast_mps.min(most_mps);
+        let max_mps = names.most.and_then(some).unwrap_or(f64::INFINITY);
+        descent.fast_mps = descent.fast_mps.min(max_mps);
         match some(names.slow) {
             Some(slow_mps) if names.slow_is_least => {
                 descent.slow_mps = slow_mps;
@@ -46,7 +46,7 @@ impl Descent {
         }
         let below_m = held(names.slow_below).unwrap_or(SLOW_LANDING_M);
         let at_least_m = names.slow_below_too.and_then(held).unwrap_or(0.0);
-        descent.slow_below_m = below_m.max(at_least_m).max(names.least_m);
+        descent.slow_below_m = below_m.max(at_least_m).max(names.min_m);
         descent
     }
 }

@@ -99,10 +99,8 @@ pub fn cruise_speed_mps(mission: &VehicleMission) -> Option<f64> {
 pub fn within_speeds_mps(mission: &VehicleMission, speed_mps: f64) -> f64 {
     let names = mission.facts().defaults.speed_parameters;
     let held = names.map(|name| mission.param_si(name?).filter(|mps| *mps > 0.0));
-    let least_mps = held[0].unwrap_or(0.0);
-    speed_mps
-        .min(held[1].unwrap_or(f64::INFINITY))
-        .max(least_mps)
+    let min_mps = held[0].unwrap_or(0.0);
+    speed_mps.min(held[1].unwrap_or(f64::INFINITY)).max(min_mps)
 }
 
 /// The radius within which a copter accepts the place of a row (0 for home), metres: PX4's own of

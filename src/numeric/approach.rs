@@ -157,7 +157,7 @@ pub fn closest_horizontal(
 /// fast as the level grows, and is 0 at the value sought. So secants with a bracket
 /// (Illinois) come to it, to the last few bits.
 #[must_use]
-pub fn least_ratio(
+pub fn min_ratio(
     a: &Segment,
     b: &Segment,
     slack_s: f64,
@@ -167,7 +167,7 @@ pub fn least_ratio(
     let pair = Pair::new(a, b, slack_s)?;
     // The ratios each alone could have: the value is at least these.
     let (level_m, at) = pair.least(&pair.region, 2, f64::INFINITY);
-    let mut low = (level_m / horizontal_m).max(pair.least_height() / vertical_m);
+    let mut low = (level_m / horizontal_m).max(pair.min_height() / vertical_m);
     let mut levels = Levels {
         pair: &pair,
         horizontal_m,
@@ -210,7 +210,7 @@ pub fn least_ratio(
     Some(pair.absolute(levels.best))
 }
 
-/// Levels that [`least_ratio`] tries, and the best that it met: ratio and times.
+/// Levels that [`min_ratio`] tries, and the best that it met: ratio and times.
 struct Levels<'a> {
     pair: &'a Pair,
     horizontal_m: f64,
@@ -245,7 +245,7 @@ impl Levels<'_> {
 #[cfg(test)]
 mod tests {
     use super::{
-        Segment, are_surely_apart, closest_approach, closest_horizontal, least_ratio, may_be_near,
+        Segment, are_surely_apart, closest_approach, closest_horizontal, may_be_near, min_ratio,
     };
     use proptest::prelude::*;
 
@@ -388,7 +388,7 @@ mod tests {
             let ratio = |gap: &[f64; 3]| (level(gap) / horizontal_m).max(gap[2].abs() / vertical_m);
             let gaps = dense(&a, &b, slack_s);
             let found = gaps.iter().map(ratio).fold(f64::INFINITY, f64::min);
-            let Some(near) = least_ratio(&a, &b, slack_s, horizontal_m, vertical_m) else {
+            let Some(near) = min_ratio(&a, &b, slack_s, horizontal_m, vertical_m) else {
                 prop_assert!(gaps.is_empty());
                 return Ok(());
             };

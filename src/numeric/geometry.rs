@@ -5,7 +5,7 @@ mod offset;
 mod ring;
 
 pub use offset::Offset;
-pub use ring::Ring;
+pub use ring::{Ring, edge_distance};
 
 /// A point of the plane.
 pub type Point = [f64; 2];
@@ -30,7 +30,7 @@ pub fn distance(a: Point, b: Point) -> f64 {
 
 /// Whether the box from `low` to `high` misses the box of the segment from `a` to `b`.
 #[inline]
-fn box_misses((low, high): (Point, Point), (a, b): (Point, Point)) -> bool {
+pub(crate) fn box_misses((low, high): (Point, Point), (a, b): (Point, Point)) -> bool {
     a[0].max(b[0]) < low[0]
         || a[0].min(b[0]) > high[0]
         || a[1].max(b[1]) < low[1]

@@ -350,13 +350,13 @@ impl Tracks {
     ) -> Vec<(usize, usize, usize)> {
         /// More than rounding takes from a time, seconds.
         const ROUNDING_S: f64 = 1e-3;
-        let least_s = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
-        let most_s = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let min_s = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
+        let max_s = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut pairs = Vec::new();
         for (number, run) in own.runs.iter().enumerate() {
             let mut reach = run.reach(nearness);
-            reach[0].0 += least_s - ROUNDING_S;
-            reach[0].1 += most_s + ROUNDING_S;
+            reach[0].0 += min_s - ROUNDING_S;
+            reach[0].1 += max_s + ROUNDING_S;
             for part in &self.parts {
                 part.cells.each(&reach, |item| {
                     let (track, other) = part.items[item];

@@ -38,9 +38,9 @@ pub fn lean_note(spec: &MissionSpec, vehicle: &Vehicle, ground_mps: f64) -> Opti
     }
     let stock_deg = behaviour.lean_deg;
     let lean_deg = vehicle.lean_for_speed_deg(air_mps)?;
-    let most_mps = vehicle.flyable_mps(Some(lean_deg))?;
-    let suffices = if most_mps < air_mps {
-        format!(", enough for {most_mps:.1} m/s: no leg may need more")
+    let max_mps = vehicle.flyable_mps(Some(lean_deg))?;
+    let suffices = if max_mps < air_mps {
+        format!(", enough for {max_mps:.1} m/s: no leg may need more")
     } else {
         String::new()
     };

@@ -143,13 +143,13 @@ pub fn with_stops_s(shift_s: Span, late_s: f64, other_late_s: f64) -> Span {
 /// The most that two of these may be shifted against each other by what autopilots are late or
 /// early, seconds; each comes with what its stops make it late by, and its way early (negative).
 #[must_use]
-pub fn most_shift_s<'a>(fleet: impl Iterator<Item = (Departing<'a>, Span)>) -> f64 {
-    let (mut least_s, mut most_s) = (0.0_f64, 0.0_f64);
+pub fn max_shift_s<'a>(fleet: impl Iterator<Item = (Departing<'a>, Span)>) -> f64 {
+    let (mut min_s, mut max_s) = (0.0_f64, 0.0_f64);
     let (mut late_s, mut early_s) = (0.0_f64, 0.0_f64);
     let (mut first, mut are_alike) = (None, true);
     for (one, on_its_way) in fleet {
         let late = takeoff_lateness_s(one.vehicle);
-        (least_s, most_s) = (least_s.min(late.least), most_s.max(late.most));
+        (min_s, max_s) = (min_s.min(late.least), max_s.max(late.most));
         late_s = late_s.max(on_its_way.most);
         early_s = early_s.max(-on_its_way.least);
         are_alike &= first.get_or_insert(one).is_late_alike(&one);
@@ -158,6 +158,6 @@ pub fn most_shift_s<'a>(fleet: impl Iterator<Item = (Departing<'a>, Span)>) -> f
     if are_alike {
         alike_s
     } else {
-        alike_s + most_s - least_s
+        alike_s + max_s - min_s
     }
 }

@@ -113,7 +113,7 @@ impl SlopeLimit {
 
     /// No less than [`Self::by_shape`] at any altitude up to one, metres above mean sea level.
     #[must_use]
-    pub fn most_by_shape(&self, up_to_amsl_m: f64) -> f64 {
+    pub fn max_by_shape(&self, up_to_amsl_m: f64) -> f64 {
         let [square, linear, _] = self.polynomial();
         // Where the polynomial is greatest, if it bends down.
         let max_m = if square < 0.0 {
@@ -127,7 +127,7 @@ impl SlopeLimit {
 
     /// No more than [`Self::by_shape`] at any altitude up to one, metres above mean sea level.
     #[must_use]
-    pub fn least_by_shape(&self, up_to_amsl_m: f64) -> f64 {
+    pub fn min_by_shape(&self, up_to_amsl_m: f64) -> f64 {
         let [square, linear, _] = self.polynomial();
         // Where the polynomial is least, if it bends up.
         let min_m = if square > 0.0 {
@@ -157,8 +157,8 @@ mod tests {
             let own = Shape::Polynomial([square, linear, constant]);
             for shape in [own, Shape::Polynomial(CLIMB), Shape::Polynomial(DESCENT), Shape::Angle(constant)] {
                 let limit = SlopeLimit { shape, by_speed: 10.0 };
-                let least = limit.least_by_shape(up_to_amsl_m);
-                let most = limit.most_by_shape(up_to_amsl_m);
+                let least = limit.min_by_shape(up_to_amsl_m);
+                let most = limit.max_by_shape(up_to_amsl_m);
                 prop_assert!(limit.by_shape(Amsl(up_to_amsl_m - below_m)) <= most);
                 prop_assert!(limit.by_shape(Amsl(up_to_amsl_m)) >= least);
                 prop_assert!(limit.by_shape(Amsl(up_to_amsl_m - below_m)) >= least);

@@ -22,7 +22,7 @@ pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
 pub use crate::plan::diagnosis::violations::{Violation, violations};
 pub use bound::{Effort, RouteBound, RouteCertificate};
 pub use fleet::columns::ColumnConflict;
-pub use fleet::pairs::{least_lengths_m, route_bounds, route_costs};
+pub use fleet::pairs::{min_lengths_m, route_bounds, route_costs};
 pub use fleet::shapes::{Shape, Shaper};
 pub use fleet::{
     Progress, Request, certify, plan_each_alone, plan_fleet, plan_fleet_with, plan_from,

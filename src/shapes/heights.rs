@@ -73,10 +73,10 @@ pub(super) fn height(
 
 fn above_ellipsoid(metres: f64, side: Side, over: &Geometry) -> Height {
     let (south_west, north_east) = over.bounds();
-    let [least_m, most_m] = Geoid::egm96().undulations_m(south_west, north_east);
+    let [min_m, max_m] = Geoid::egm96().undulations_m(south_west, north_east);
     Height::Amsl(match side {
-        Side::Floor => metres - most_m,
-        Side::Ceiling => metres - least_m,
+        Side::Floor => metres - max_m,
+        Side::Ceiling => metres - min_m,
     })
 }
 

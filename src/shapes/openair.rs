@@ -298,11 +298,11 @@ fn swept(arc: &ArcSegment) -> Result<Part, String> {
 
 /// How far an arc turns from one bearing to another; one that ends where it begins is a circle.
 fn turn_rad((from_rad, to_rad): (f64, f64), direction: Direction) -> f64 {
-    let (least_rad, sign) = match direction {
+    let (min_rad, sign) = match direction {
         Direction::Cw => (to_rad - from_rad, 1.0),
         Direction::Ccw => (from_rad - to_rad, -1.0),
     };
-    let turn_rad = least_rad.rem_euclid(TAU);
+    let turn_rad = min_rad.rem_euclid(TAU);
     let is_circle = turn_rad < 1e-9 || TAU - turn_rad < 1e-9;
     sign * if is_circle { TAU } else { turn_rad }
 }
@@ -310,7 +310,7 @@ fn turn_rad((from_rad, to_rad): (f64, f64), direction: Direction) -> f64 {
 impl Part {
     /// Its corners; of an arc in a zone that turns clockwise, counterclockwise, or either way.
     fn corners(&self, zone: Option<bool>) -> Vec<LatLon> {
-        let (frame, from_rad, turn_rad, [least_m, most_m]) = match self {
+        let (frame, from_rad, turn_rad, [min_m, max_m]) = match self {
             Self::Corner(at) => return vec![*at],
             Self::Arc {
                 frame,
@@ -335,18 +335,17 @@ impl Part {
         };
         let is_inside = zone.is_none_or(|is_clockwise| is_clockwise == (turn_rad > 0.0));
         if !is_inside {
-            let corners =
-                (0..=steps).map(|step| at(from_rad + f64::from(step) * step_rad, least_m));
+            let corners = (0..=steps).map(|step| at(from_rad + f64::from(step) * step_rad, min_m));
             return corners.collect();
         }
         // Its edges touch the circle.
-        let outside_m = most_m / (0.5 * step_rad).cos();
-        let mut corners = vec![at(from_rad, most_m)];
+        let outside_m = max_m / (0.5 * step_rad).cos();
+        let mut corners = vec![at(from_rad, max_m)];
         corners.extend((0..steps).map(|step| {
             let bearing_rad = from_rad + (f64::from(step) + 0.5) * step_rad;
             at(bearing_rad, outside_m)
         }));
-        corners.push(at(from_rad + turn_rad, most_m));
+        corners.push(at(from_rad + turn_rad, max_m));
         corners
     }
 }

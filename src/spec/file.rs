@@ -6,7 +6,7 @@ pub(super) mod structure;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::airspace::{self, AttachedFile, Survey};
+use super::airspace::{self, AirspaceImport, AttachedFile};
 use super::builder::Builder;
 use super::check;
 use super::keys;
@@ -35,7 +35,7 @@ pub struct SpecFile {
     /// The files of airspace and obstacles that it names.
     pub attached: Vec<AttachedFile>,
     /// What became of the shapes of each of them.
-    pub surveys: Vec<Survey>,
+    pub imports: Vec<AirspaceImport>,
     /// Its `t0`, milliseconds since 1970.
     pub t0_unix_ms: Option<u64>,
     sources: ValueSources,
@@ -143,13 +143,13 @@ impl SpecFile {
         let checked = check::check(keys, positions, table.unwrap_or_default(), &attached);
         let is_known = |issue: &Issue| !structure::is_unknown(issue, &unknown);
         issues.extend(checked.issues.into_iter().filter(is_known));
-        let file = checked.spec.map(|(spec, surveys)| Self {
+        let file = checked.spec.map(|(spec, imports)| Self {
             spec,
             text,
             path: path.to_owned(),
             table: file,
             attached,
-            surveys,
+            imports,
             t0_unix_ms: t0.and_then(|t0| u64::try_from(t0.as_millisecond()).ok()),
             sources: checked.sources,
         });

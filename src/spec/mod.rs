@@ -42,7 +42,7 @@ mod wind;
 
 pub use crate::autopilot::{Airframe, Autopilot};
 pub(crate) use airspace::dome_of;
-pub use airspace::{AttachedFile, Survey, Zone};
+pub use airspace::{AirspaceImport, AttachedFile, Zone};
 pub use builder::Builder;
 pub use file::partial::{Incomplete, Known, KnownPlace, PlaceKind};
 pub use file::{SpecFile, json_schema};

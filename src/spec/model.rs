@@ -100,9 +100,9 @@ impl MissionSpec {
     #[must_use]
     pub fn passes_limits_closely(&self, vehicle: &Vehicle) -> bool {
         /// Most vehicles of such a fleet.
-        const MOST: usize = 60;
+        const MAX: usize = 60;
         vehicle.airframe == Airframe::Copter
-            && self.vehicles.len() <= MOST
+            && self.vehicles.len() <= MAX
             && self.planner.objective == Objective::Operational
     }
 

@@ -34,7 +34,7 @@ pub struct Carrier<'a> {
     /// What resting uses in one unit of time.
     pub rest_uses: u64,
     /// Most places that it visits.
-    pub most_visits: usize,
+    pub max_visits: usize,
     /// When it is at its start, at the earliest and at the latest.
     pub begins: (u64, u64),
     /// How long its ways may take, in thousandths of their times: windows hold for that and for

@@ -16,7 +16,7 @@ use route_estimates::Trial;
 use super::areas::{Layout, SweepLine, lay_out};
 use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Visit};
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::plan::least_lengths_m;
+use crate::plan::min_lengths_m;
 use crate::spec::{MissionSpec, Stop, Sweep, Task};
 use crate::world::World;
 
@@ -166,11 +166,11 @@ impl<'a> Assigner<'a> {
             }
         }
         let mut starts = Vec::new();
-        for stations in &world.stations {
+        for fixed_points in &world.fixed_points {
             starts.push(points.len());
-            points.push(stations.start);
-            points.extend(&stations.stops);
-            points.push(stations.goal);
+            points.push(fixed_points.start);
+            points.extend(&fixed_points.stops);
+            points.push(fixed_points.goal);
         }
         Self {
             spec,
@@ -179,7 +179,7 @@ impl<'a> Assigner<'a> {
             units,
             layouts,
             starts,
-            lengths_m: least_lengths_m(spec, world, &points),
+            lengths_m: min_lengths_m(spec, world, &points),
             points,
             factors: vec![1.0; spec.vehicles.len()],
             later_s: vec![0.0; spec.vehicles.len()],
@@ -301,7 +301,7 @@ impl<'a> Assigner<'a> {
 fn over_ground(line: &SweepLine, sweep: Option<&Sweep>, world: &World) -> Vec<PlanPoint> {
     let agl_m = sweep.map_or(0.0, |sweep| sweep.agl.0);
     let at = line.points.iter().map(|&at| {
-        let ground = world.terrain.height(world.frame.from_plan(at));
+        let ground = world.terrain.height_at(&world.frame, at);
         PlanPoint {
             at,
             amsl: Amsl(ground.map_or(0.0, |ground| ground.0) + agl_m),

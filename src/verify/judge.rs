@@ -84,9 +84,13 @@ impl<'a> Judge<'a> {
         'a: 'm,
     {
         let vehicle = self.spec.vehicles.get(index)?;
-        let stations = self.world.stations.get(index)?;
+        let fixed_points = self.world.fixed_points.get(index)?;
         Some(Sortie::new(
-            self.spec, self.world, vehicle, stations, mission,
+            self.spec,
+            self.world,
+            vehicle,
+            fixed_points,
+            mission,
         ))
     }
 

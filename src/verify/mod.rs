@@ -206,7 +206,7 @@
 //! autopilot and airframe are so alike. A copter of PX4 may lose 12 s more in its climb, each on its own. A wing of
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by, from where it brakes for it on, to each
-//! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
+//! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on, and from 1.18 on up to 0.1 of its time besides; every corner of
 //! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. A copter counts its metres on a sphere, of
 //! 6378100 m (ArduPilot) or 6371000 m: from 600 s after its takeoff on, every leg that is longer there adds the same share
 //! of its time to what it is late by, from its beginning on, every other to what it is early by. On such a sphere a leg is as
@@ -304,7 +304,7 @@ pub struct Shift {
 impl Shift {
     /// The most that is allowed to the side on which the separation is worst, seconds.
     #[must_use]
-    pub fn most_s(&self) -> f64 {
+    pub fn max_s(&self) -> f64 {
         if self.worst_s < 0.0 {
             -self.allowed_s.least
         } else {

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, VehicleMission};
-use crate::path::{Departing, most_shift_s};
+use crate::path::{Departing, max_shift_s};
 use crate::spec::{MissionSpec, Separation, Span, Vehicle};
-use crate::world::{Layer, Stations, World};
+use crate::world::{FixedPoints, Layer, World};
 
 use super::execute::executor;
 use super::execute::flight::Flight;
@@ -27,7 +27,7 @@ use super::{Limit, Margin, Moment, Review, Track};
 /// One mission and the vehicle it is for.
 pub(super) struct Sortie<'a> {
     vehicle: &'a Vehicle,
-    stations: &'a Stations,
+    fixed_points: &'a FixedPoints,
     mission: &'a VehicleMission,
     /// Place of the home row, if it holds one.
     home: Option<LatLon>,
@@ -88,7 +88,7 @@ impl<'a> Reviewer<'a> {
         let mut margins = roll_call(spec, missions);
         margins.extend(other_world(spec, world));
         let missions: Vec<(usize, &VehicleMission)> = (missions.iter().copied())
-            .filter(|&(index, _)| index < spec.vehicles.len().min(world.stations.len()))
+            .filter(|&(index, _)| index < spec.vehicles.len().min(world.fixed_points.len()))
             .collect();
         let (mut sorties, mut own) = self.sorties(&missions);
         let is_known: Vec<bool> = own.iter().map(Option::is_some).collect();
@@ -153,10 +153,10 @@ impl<'a> Reviewer<'a> {
         known.resize_with(missions.len(), || None);
         let each = missions.par_iter().zip(known);
         each.map(|(&(index, mission), known)| {
-            let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
+            let (vehicle, fixed_points) = (&spec.vehicles[index], &world.fixed_points[index]);
             let known = known.filter(|known| known.mission == *mission);
             let (flight, margins) = known.map(|known| (known.flight, known.margins)).unzip();
-            let flown = Sortie::flown((spec, world), vehicle, stations, mission, flight);
+            let flown = Sortie::flown((spec, world), vehicle, fixed_points, mission, flight);
             (flown, margins)
         })
         .unzip()
@@ -193,7 +193,7 @@ fn stay_long_enough(sorties: &mut [Sortie<'_>], separation: &Separation) {
         .iter()
         .map(|sortie| sortie.flight.last_s())
         .fold(0.0, f64::max);
-    let late_s = most_shift_s(sorties.iter().map(|sortie| {
+    let late_s = max_shift_s(sorties.iter().map(|sortie| {
         let segments = sortie.flight.segments.iter();
         let most = |of: fn(&Segment) -> f64| segments.clone().map(of).fold(0.0, f64::max);
         let on_its_way = Span {
@@ -218,7 +218,7 @@ fn other_world(spec: &MissionSpec, world: &World) -> Option<Margin> {
         spec.tasks.len(),
     ];
     let of_world = [
-        world.stations.len(),
+        world.fixed_points.len(),
         world.threats.len(),
         world.zones.len(),
         world.tasks.len(),
@@ -258,42 +258,43 @@ impl<'a> Sortie<'a> {
         spec: &MissionSpec,
         world: &World,
         vehicle: &'a Vehicle,
-        stations: &'a Stations,
+        fixed_points: &'a FixedPoints,
         mission: &'a VehicleMission,
     ) -> Self {
-        Self::flown((spec, world), vehicle, stations, mission, None)
+        Self::flown((spec, world), vehicle, fixed_points, mission, None)
     }
 
     /// The same with the flight of the mission, where it is known.
     fn flown(
         (spec, world): (&MissionSpec, &World),
         vehicle: &'a Vehicle,
-        stations: &'a Stations,
+        fixed_points: &'a FixedPoints,
         mission: &'a VehicleMission,
         flight: Option<Flight>,
     ) -> Self {
         let home = home_place(&mission.home);
         // Without a home row the rest is judged as if the vehicle stood where the spec says.
-        let stands = home.map_or(stations.home, |place| PlanPoint {
+        let stands = home.map_or(fixed_points.home, |place| PlanPoint {
             at: world.frame.to_plan(place),
             amsl: standing(world, place, &mission.home),
         });
         Self {
             vehicle,
-            stations,
+            fixed_points,
             mission,
             home,
             stands,
             fence: Fence::read(&mission.fence),
-            flight: flight
-                .unwrap_or_else(|| executor::fly(vehicle, mission, spec, world, stations, stands)),
+            flight: flight.unwrap_or_else(|| {
+                executor::fly(vehicle, mission, spec, world, fixed_points, stands)
+            }),
         }
     }
 
     pub(super) fn departing(&self) -> Departing<'a> {
         Departing {
             vehicle: self.vehicle,
-            is_airborne: self.stations.departure.is_airborne(),
+            is_airborne: self.fixed_points.departure.is_airborne(),
         }
     }
 
@@ -311,7 +312,7 @@ impl<'a> Sortie<'a> {
             spec,
             world,
             vehicle: self.vehicle,
-            stations: self.stations,
+            fixed_points: self.fixed_points,
             mission: self.mission,
             flight: &self.flight,
         }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Stations, World};
+use super::{FixedPoints, World};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::geometry;
 use crate::spec::{Airframe, ApproachLengths, Issue, MissionSpec, SpecFile, Vehicle, Wind};
@@ -73,21 +73,25 @@ impl World {
             };
             // A plane must land on some course, and the verdict says what is in its way.
             let is_plane = vehicle.airframe == Airframe::Plane;
-            let free_rad = self.free_landing_rad(vehicle, &self.stations[index]);
+            let free_rad = self.free_landing_rad(vehicle, &self.fixed_points[index]);
             let landing_rad = free_rad.or(is_plane.then_some(wind.from_rad));
-            let stations = &mut self.stations[index];
-            stations.landing_rad = landing_rad;
-            stations.goal =
-                super::route_end(vehicle, landing_rad, stations.goal, stations.goal_ground);
+            let fixed_points = &mut self.fixed_points[index];
+            fixed_points.landing_rad = landing_rad;
+            fixed_points.goal = super::route_end(
+                vehicle,
+                landing_rad,
+                fixed_points.goal,
+                fixed_points.goal_ground,
+            );
         }
         self
     }
 
     /// The course into the wind, or the nearest to it, on which nothing is in the way of the approach to
     /// a landing; none if there is no such course.
-    fn free_landing_rad(&self, vehicle: &Vehicle, stations: &Stations) -> Option<f64> {
+    fn free_landing_rad(&self, vehicle: &Vehicle, fixed_points: &FixedPoints) -> Option<f64> {
         let wind = vehicle.approach_wind()?;
-        let (touchdown, from) = stations.touchdown(vehicle.finish);
+        let (touchdown, from) = fixed_points.touchdown(vehicle.finish);
         let lengths = vehicle.approach_lengths(from.0 - touchdown.amsl.0)?;
         let turns_m = vehicle.wing?.loiter_radius_m;
         let is_free = |course_rad: &f64, aside_m: f64| {
@@ -120,8 +124,8 @@ impl World {
 
     fn is_clear_at(&self, of: &Candidate<'_>, (before_m, aside_m): (f64, f64)) -> bool {
         let at = of.at(before_m, aside_m);
-        let (amsl_m, least_m) = of.altitude_m(before_m, self.min_agl.0);
-        let Ok(ground) = self.terrain.height(self.frame.from_plan(at)) else {
+        let (amsl_m, min_m) = of.altitude_m(before_m, self.min_agl.0);
+        let Ok(ground) = self.terrain.height_at(&self.frame, at) else {
             return false;
         };
         let point = PlanPoint {
@@ -129,7 +133,7 @@ impl World {
             amsl: Amsl(amsl_m),
         };
         self.in_area(at)
-            && amsl_m - ground.0 >= least_m
+            && amsl_m - ground.0 >= min_m
             && !self.threats.iter().any(|threat| threat.contains(at))
             && !(self.zones.iter()).any(|zone| zone.is_closed_at(point, ground.0, f64::NAN))
     }
@@ -137,10 +141,15 @@ impl World {
 
 /// Planes whose course to their landing is left open, where no course is free.
 pub(super) fn blocked(file: &SpecFile, world: &World, paths: &[String]) -> Vec<Issue> {
-    let vehicles = file.spec.vehicles.iter().zip(&world.stations).enumerate();
-    let blocked = vehicles.filter(|(_, (vehicle, stations))| {
+    let vehicles = file
+        .spec
+        .vehicles
+        .iter()
+        .zip(&world.fixed_points)
+        .enumerate();
+    let blocked = vehicles.filter(|(_, (vehicle, fixed_points))| {
         let is_open = vehicle.airframe == Airframe::Plane && vehicle.approach_wind().is_some();
-        is_open && world.free_landing_rad(vehicle, stations).is_none()
+        is_open && world.free_landing_rad(vehicle, fixed_points).is_none()
     });
     let issue = |(index, _): (usize, _)| {
         file.issue(

@@ -199,7 +199,7 @@ fn node_m(terrain: &Terrain, frame: &LocalFrame, at: EastNorth) -> f32 {
         reason = "heights need no more than f32"
     )]
     terrain
-        .height(frame.from_plan(at))
+        .height_at(frame, at)
         .map_or(f32::NAN, |amsl| amsl.0 as f32)
 }
 

@@ -194,7 +194,7 @@ impl Check<'_> {
             return;
         };
         let layer_m =
-            Amsl(self.ceiling().buffered_m).above_ground(ground).0 - self.least_agl().buffered_m;
+            Amsl(self.ceiling().buffered_m).above_ground(ground).0 - self.min_agl().buffered_m;
         // A narrow layer may be meant, a wide tolerance in it not. Reported once for the fleet.
         let is_wide = tolerance_m > USUAL_TOLERANCE_M && tolerance_m > layer_m;
         if !is_wide || self.issues.iter().any(|issue| issue.path == path) {
@@ -206,8 +206,8 @@ impl Check<'_> {
             vehicle.id,
             digits::distinct_from(layer_m, tolerance_m, 1)
         );
-        let most_m = layer_m.max(USUAL_TOLERANCE_M);
-        self.report(path, found, format!("at most {} m", digits::plain(most_m)));
+        let max_m = layer_m.max(USUAL_TOLERANCE_M);
+        self.report(path, found, format!("at most {} m", digits::plain(max_m)));
     }
 
     /// A point of the plan: over ground, high enough but for a drop, under the ceiling, in no zone.
@@ -243,9 +243,9 @@ impl Check<'_> {
         } else if agl_m < area.min_agl.0 {
             let above_m = digits::distinct_from(agl_m, area.min_agl.0, 1);
             let found = format!("{what} is {above_m} m above {over}");
-            self.report(path, found, least_height(area.min_agl, what, end));
-        } else if agl_m < self.least_agl().buffered_m {
-            let least = self.least_agl();
+            self.report(path, found, min_height(area.min_agl, what, end));
+        } else if agl_m < self.min_agl().buffered_m {
+            let least = self.min_agl();
             let above_m = digits::distinct_from(agl_m, least.buffered_m, 1);
             let found = format!("{what} is {above_m} m above {over}");
             self.report(path, found, least.allowed(agl_m));
@@ -269,7 +269,7 @@ impl Check<'_> {
     }
 
     /// The least height over ground, with its buffer.
-    fn least_agl(&self) -> BufferedLimit<'static> {
+    fn min_agl(&self) -> BufferedLimit<'static> {
         let spec = &self.file.spec;
         BufferedLimit {
             key: "terrain",
@@ -485,7 +485,7 @@ impl Check<'_> {
 }
 
 /// What is allowed where a place is too low.
-fn least_height(min_agl: Agl, what: &str, end: EndPoint) -> String {
+fn min_height(min_agl: Agl, what: &str, end: EndPoint) -> String {
     let least = format!("at least {} m (area.min_agl_m)", min_agl.0);
     let is_stop = ["stop", "task"].contains(&what);
     match is_stop && matches!(end.altitude, Placement::Amsl(_)) {

@@ -43,7 +43,7 @@ pub struct Disc {
 
 /// The fixed positions of one vehicle, altitudes resolved over the terrain.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stations {
+pub struct FixedPoints {
     /// How the vehicle begins its path.
     pub departure: Departure,
     /// Where it stands, on the ground.
@@ -98,7 +98,7 @@ pub struct World {
     /// The other limits of altitude of each vehicle, their buffers included.
     pub layers: Vec<Layer>,
     /// Home, start and goal of each vehicle.
-    pub stations: Vec<Stations>,
+    pub fixed_points: Vec<FixedPoints>,
     /// The places of each task.
     pub tasks: Vec<Vec<PlanPoint>>,
     /// What single vehicles are planned among instead, where they pass zones outside of their times;
@@ -131,9 +131,9 @@ impl World {
     pub fn new(spec: &MissionSpec, terrain: Terrain) -> Result<Self, NoData> {
         let frame = spec.frame;
         let area = frame.outline(&spec.area.outline());
-        let stations = spec.vehicles.iter();
-        let stations = stations
-            .map(|vehicle| Stations::of(spec, vehicle, &terrain))
+        let fixed_points = spec.vehicles.iter();
+        let fixed_points = fixed_points
+            .map(|vehicle| FixedPoints::of(spec, vehicle, &terrain))
             .collect::<Result<_, NoData>>()?;
         let sites = |task: &Task| {
             let stops = task.stops.iter();
@@ -158,7 +158,7 @@ impl World {
             min_agl: spec.area.min_agl,
             max_amsl: spec.area.max_amsl,
             layers: Vec::new(),
-            stations,
+            fixed_points,
             tasks,
             own: Vec::new(),
         };
@@ -214,9 +214,9 @@ impl World {
         &self,
         spec: &MissionSpec,
         vehicle: &Vehicle,
-        stations: &Stations,
+        fixed_points: &FixedPoints,
     ) -> Vec<LowPlace> {
-        let own = vehicle.stops.iter().zip(&stations.stops);
+        let own = vehicle.stops.iter().zip(&fixed_points.stops);
         let tasks = spec.tasks.iter().zip(&self.tasks);
         let tasks = tasks.flat_map(|(task, points)| task.stops.iter().zip(points));
         let low = own.chain(tasks).filter(|(stop, _)| stop.drop_m > 0.0);
@@ -234,7 +234,7 @@ impl World {
     }
 }
 
-impl Stations {
+impl FixedPoints {
     /// Where the vehicle touches down at the end, on the ground, and the altitude from which it comes there.
     #[must_use]
     pub fn touchdown(&self, finish: Finish) -> (PlanPoint, Amsl) {

@@ -18,7 +18,7 @@ pub(super) fn warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
             return None;
         };
         if let Some(Placement::Agl(Agl(floor_m))) = zone.floor
-            && let Some(ground_m) = least_ground_m(zone, world, ceiling_m - floor_m)
+            && let Some(ground_m) = min_ground_m(zone, world, ceiling_m - floor_m)
         {
             return Some(format!(
                 "zone {} closes nothing: its floor of {floor_m} m above the ground, which is at {ground_m:.0} m or more \
@@ -26,7 +26,7 @@ pub(super) fn warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
                 zone.id
             ));
         }
-        let ground_m = least_ground_m(zone, world, ceiling_m)?;
+        let ground_m = min_ground_m(zone, world, ceiling_m)?;
         Some(format!(
             "zone {} closes nothing: its ceiling of {} m above mean sea level is under the ground, which is at {} m or \
              more there; is it in feet, or above the ground (agl_m)?",
@@ -40,7 +40,7 @@ pub(super) fn warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
 
 /// The ground where it is least within a zone, metres; none if it is nowhere known, or anywhere not
 /// above the ceiling.
-fn least_ground_m(zone: &Zone, world: &World, ceiling_m: f64) -> Option<f64> {
+fn min_ground_m(zone: &Zone, world: &World, ceiling_m: f64) -> Option<f64> {
     let outline = world.frame.outline(&zone.polygon);
     let bounds = outline.bounding_rect()?;
     let share = |index: u32| (f64::from(index) + 0.5) / f64::from(SIDE);
@@ -50,14 +50,14 @@ fn least_ground_m(zone: &Zone, world: &World, ceiling_m: f64) -> Option<f64> {
         let is_in = outline.contains(&Point::new(east_m, north_m));
         is_in.then(|| world.frame.from_plan(EastNorth { east_m, north_m }))
     });
-    let mut least_m = f64::INFINITY;
+    let mut min_m = f64::INFINITY;
     for place in zone.polygon.iter().copied().chain(within) {
         if let Ok(Amsl(ground_m)) = world.terrain.height(place) {
             if ground_m <= ceiling_m {
                 return None;
             }
-            least_m = least_m.min(ground_m);
+            min_m = min_m.min(ground_m);
         }
     }
-    least_m.is_finite().then_some(least_m)
+    min_m.is_finite().then_some(min_m)
 }

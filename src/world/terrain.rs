@@ -1,6 +1,6 @@
 //! Terrain as its source has it, in geodetic coordinates.
 
-use crate::geodesy::{Amsl, LatLon, METRES_PER_DEG};
+use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, METRES_PER_DEG};
 use crate::spec::Hill;
 
 /// There is no elevation at a place: never taken for 0.
@@ -75,6 +75,18 @@ impl Terrain {
             )),
             Self::Grid(grid) => grid.height_m(place).map(Amsl).ok_or(NoData { place }),
             Self::Unknown => Err(NoData { place }),
+        }
+    }
+
+    /// The height of the ground at planning coordinates. Flat ground needs no place, which takes ten times as long as
+    /// the rest.
+    ///
+    /// # Errors
+    /// Those of [`height`](Self::height).
+    pub fn height_at(&self, frame: &LocalFrame, at: EastNorth) -> Result<Amsl, NoData> {
+        match self {
+            Self::Flat(amsl) => Ok(*amsl),
+            _ => self.height(frame.from_plan(at)),
         }
     }
 }

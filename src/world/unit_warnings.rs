@@ -22,8 +22,8 @@ const STORM_MPS: f64 = 20.0;
 #[must_use]
 pub fn unit_warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
     let mut warnings = Vec::new();
-    let stations = world.stations.iter();
-    let highest_m = stations
+    let fixed_points = world.fixed_points.iter();
+    let highest_m = fixed_points
         .flat_map(|of| {
             [of.start, of.goal]
                 .into_iter()
@@ -83,11 +83,11 @@ fn of_vehicle(vehicle: &Vehicle) -> Vec<String> {
             )
         }));
     }
-    let most_mps = match vehicle.wing {
+    let max_mps = match vehicle.wing {
         None => FAST_MPS.0,
         Some(_) => FAST_MPS.1,
     };
-    if vehicle.speed_mps > most_mps {
+    if vehicle.speed_mps > max_mps {
         warnings.push(as_kmh(&format!("{id}: speed_mps"), vehicle.speed_mps));
     }
     warnings

@@ -137,8 +137,8 @@ fn positions_over_a_link_that_gets_slower_are_of_the_time_at_which_they_were_mea
         let since_boot_s = |fix: &Fix| f64::from(fix.boot_ms.unwrap_or(0)) / 1000.0 - fix.t_s;
         let first_s = since_boot_s(&flown.fixes[0]);
         let off_s = flown.fixes.iter().map(|fix| since_boot_s(fix) - first_s);
-        let most_s = off_s.fold(0.0, |most: f64, off_s| most.max(off_s.abs()));
-        assert!(most_s < 0.1, "{vehicle}: {most_s} s");
+        let max_s = off_s.fold(0.0, |most: f64, off_s| most.max(off_s.abs()));
+        assert!(max_s < 0.1, "{vehicle}: {max_s} s");
         assert!(flown.fixes.len() > 300, "{vehicle}: {}", flown.fixes.len());
     }
 }

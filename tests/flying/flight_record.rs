@@ -218,9 +218,9 @@ fn a_flight_beside_or_over_its_way_is_not_the_one_that_was_verified() {
         (a.min(t), b.max(t))
     });
     // Away from the others, out and back slowly enough; nothing of the spec forbids it.
-    let bulge = |t_s: f64, most_m: f64| {
+    let bulge = |t_s: f64, max_m: f64| {
         let share = (t_s - begin_s) / (end_s - begin_s);
-        most_m * (std::f64::consts::PI * share).sin()
+        max_m * (std::f64::consts::PI * share).sin()
     };
     let aside = |north_m: f64, up_m: f64| {
         failed(|record| {

@@ -104,12 +104,12 @@ impl Bench {
     }
 
     /// Until the motors stop; how long that took.
-    fn fly_until_disarmed(&mut self, most_s: f64) -> f64 {
+    fn fly_until_disarmed(&mut self, max_s: f64) -> f64 {
         let began = self.now;
         while self.vehicle.is_armed() {
             self.fly(1.0);
             let since_s = (self.now - began) as f64 / 1000.0;
-            assert!(since_s < most_s, "still armed after {since_s} s");
+            assert!(since_s < max_s, "still armed after {since_s} s");
         }
         (self.now - began) as f64 / 1000.0
     }

@@ -153,9 +153,9 @@ fn pixels_of_projections_are_where_proj_has_them() {
         let truth_m = f64::from(slope_m(20, 20));
         let found_m = height_m(&plain, lat_deg, lon_deg);
         // 2 m for heights of unknown origin, and 0.1 to 5 m of place on the steepest slope, 0.28.
-        let most_m = truth_m + 2.0 + 5.0 * 0.4 + 0.3;
+        let max_m = truth_m + 2.0 + 5.0 * 0.4 + 0.3;
         assert!(
-            (truth_m + 2.0..most_m).contains(&found_m),
+            (truth_m + 2.0..max_m).contains(&found_m),
             "EPSG:{code}: {found_m} of {truth_m}"
         );
         assert!(plain.raised_m >= found_m - truth_m, "EPSG:{code}");

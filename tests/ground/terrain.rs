@@ -367,7 +367,7 @@ fn a_spec_finds_its_terrain_beside_it_and_the_ground_agrees_with_it() {
     .expect("written");
     let file = SpecFile::read(&path).expect("a spec");
     let world = world::load(&file).expect("a world");
-    let start = world.stations[0].start;
+    let start = world.fixed_points[0].start;
     assert!(
         (start.amsl.0 - (0.46 * 1200.0 + 0.46 * 2400.0 + 80.0)).abs() < 1e-2,
         "{start:?}"

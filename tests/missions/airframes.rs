@@ -33,10 +33,10 @@ fn vtol(autopilot: Autopilot) -> Vehicle {
 
 /// The mission of the only vehicle along straight routes.
 fn built(spec: &MissionSpec, world: &World) -> VehicleMission {
-    let (vehicle, stations) = (&spec.vehicles[0], &world.stations[0]);
-    let mut ends = vec![stations.start, stations.goal];
+    let (vehicle, fixed_points) = (&spec.vehicles[0], &world.fixed_points[0]);
+    let mut ends = vec![fixed_points.start, fixed_points.goal];
     if vehicle.finish == Finish::Return {
-        ends.push(sortie::path::homeward_end(vehicle, stations));
+        ends.push(sortie::path::homeward_end(vehicle, fixed_points));
     }
     let routes: Vec<_> = ends
         .windows(2)
@@ -188,7 +188,7 @@ fn a_circle_is_kept_for_ever_and_others_stay_away_from_its_rim() {
     spec.vehicles[1].goal.place = beside(-84.19);
     let world = world(&spec);
     let first = built(&spec, &world);
-    let route = [world.stations[1].start, world.stations[1].goal];
+    let route = [world.fixed_points[1].start, world.fixed_points[1].goal];
     let route = time_route(&route, 0.0, 15.0, 2.5);
     let mut second = mission::build(&spec, &world, 1, &[route]).expect("a mission");
     // Its takeoff is 60 m (6689e-7 degrees) ahead on its leg, to which it turns its nose: else it may be beside all of
@@ -334,8 +334,8 @@ fn in_wind(mut spec: MissionSpec, from_deg: f64, speed_mps: f64) -> MissionSpec 
     for vehicle in &mut spec.vehicles {
         vehicle.wind = wind;
         let wing = vehicle.wing.as_mut().expect("a wing");
-        let least_m = turn_radius_by_load_m(vehicle.speed_mps + speed_mps, vehicle.max_load_factor);
-        wing.loiter_radius_m = wing.loiter_radius_m.max(1.25 * least_m);
+        let min_m = turn_radius_by_load_m(vehicle.speed_mps + speed_mps, vehicle.max_load_factor);
+        wing.loiter_radius_m = wing.loiter_radius_m.max(1.25 * min_m);
     }
     spec
 }
@@ -351,7 +351,7 @@ fn lands_on(spec: &mut MissionSpec, heading_deg: Option<f64>) {
 
 /// The course on which it lands, degrees.
 fn landing_deg(spec: &MissionSpec) -> Option<f64> {
-    let course_rad = world(spec).stations[0].landing_rad;
+    let course_rad = world(spec).fixed_points[0].landing_rad;
     course_rad.map(|rad| rad.to_degrees().round())
 }
 
@@ -801,12 +801,17 @@ fn clearance_outside_a_corner(mut vehicle: Vehicle) -> f64 {
         radius_m: 50.0,
     });
     let world = world(&spec);
-    let stations = &world.stations[0];
+    let fixed_points = &world.fixed_points[0];
     let corner = sortie::geodesy::PlanPoint {
         at: world.frame.to_plan(place(36.30, -84.25)),
-        ..stations.start
+        ..fixed_points.start
     };
-    let route = time_route(&[stations.start, corner, stations.goal], 0.0, 15.0, 2.5);
+    let route = time_route(
+        &[fixed_points.start, corner, fixed_points.goal],
+        0.0,
+        15.0,
+        2.5,
+    );
     let mission = mission::build(&spec, &world, 0, &[route]).expect("a mission");
     let review = verify::review(&spec, &world, &[(0, &mission)]);
     margin(&review, Limit::Threat("mast".to_owned())).value

@@ -140,7 +140,7 @@ fn an_engine_that_is_started_changes_nothing_and_one_that_is_stopped_does() {
 /// `MIS_TAKEOFF_ALT`, at least.
 #[test]
 fn a_takeoff_to_less_than_the_autopilot_climbs_is_judged_with_what_it_climbs() {
-    for (autopilot, least_m) in [("ardupilot", 1.0), ("px4", 2.5)] {
+    for (autopilot, min_m) in [("ardupilot", 1.0), ("px4", 2.5)] {
         for above_home_m in [-10.0, 0.0, 0.5] {
             let rows = [
                 Row(22, 3, [0.0; 4], 46.0, 8.0, above_home_m),
@@ -153,7 +153,7 @@ fn a_takeoff_to_less_than_the_autopilot_climbs_is_judged_with_what_it_climbs() {
             // An altitude that is not above home stays a failure of acceptance.
             assert_eq!(code == Some(0), above_home_m > 0.0, "{case}");
             assert!(!out.contains("cannot judge"), "{case}");
-            let lowest = format!("altitude above home  {least_m:.1} m");
+            let lowest = format!("altitude above home  {min_m:.1} m");
             let squeezed = out.split_whitespace().collect::<Vec<_>>().join(" ");
             let lowest = lowest.split_whitespace().collect::<Vec<_>>().join(" ");
             assert!(squeezed.contains(&lowest), "{case}");

@@ -223,9 +223,9 @@ fn a_px4_copter_without_parameters_flies_no_faster_than_the_default_allows() {
         said.contains("flies no faster than MPC_XY_VEL_MAX 12"),
         "{said}"
     );
-    let (_, said, most_s) = review("12");
+    let (_, said, max_s) = review("12");
     assert!(!said.contains("MPC_XY_VEL_MAX"), "{said}");
-    assert!((faster_s - most_s).abs() < 1e-6, "{faster_s} {most_s}");
+    assert!((faster_s - max_s).abs() < 1e-6, "{faster_s} {max_s}");
 }
 
 /// ArduPilot overwrites the first row with its home (`AP_Mission::write_home_to_storage`).

@@ -123,7 +123,7 @@ fn a_plane_over_flat_ground_passes_without_a_least_height() {
     let rows = "1\t0\t3\t22\t10\t0\t0\t0\t46.0\t8.003\t80\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.0\t8.02\t80\t1\n3\t0\t3\t16\t0\t0\t0\t0\t46.015\t8.02\t80\t1\n4\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n";
     let folder = over_ground("500 500 500 500", &[("a.waypoints", rows.to_owned())]);
     for autopilot in ["ardupilot", "px4"] {
-        for least_m in ["0", "5"] {
+        for min_m in ["0", "5"] {
             let flags = [
                 "a.waypoints",
                 "--airframe",
@@ -131,7 +131,7 @@ fn a_plane_over_flat_ground_passes_without_a_least_height() {
                 "--autopilot",
                 autopilot,
             ];
-            let (_, said) = reviewed(&folder, &[&flags[..], &["--min-agl", least_m]].concat());
+            let (_, said) = reviewed(&folder, &[&flags[..], &["--min-agl", min_m]].concat());
             assert!(!said.contains("FAIL a: terrain clearance"), "{said}");
         }
     }
@@ -384,11 +384,11 @@ fn a_copter_that_follows_ground_finer_than_the_posts_of_its_autopilot_is_judged_
     let (code, said) = plan(20.0);
     assert_eq!(code, Some(4), "{said}");
     let why = "FAIL alpha: terrain clearance: ";
-    let least_m = said
+    let min_m = said
         .split_once(why)
         .and_then(|(_, rest)| rest.split_once(" m,"));
-    let least_m: f64 = least_m.expect(why).0.parse().expect("metres");
-    assert!(least_m < 3.0, "{said}");
+    let min_m: f64 = min_m.expect(why).0.parse().expect("metres");
+    assert!(min_m < 3.0, "{said}");
     // A second plan replaces the folder of the first, the grid's coordinate system in it.
     let (code, said) = plan(45.0);
     assert_eq!(code, Some(0), "{said}");

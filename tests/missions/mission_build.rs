@@ -71,14 +71,14 @@ fn spec_of(change: impl FnOnce(&mut MissionSpec)) -> (MissionSpec, World) {
 }
 
 fn out_and_back(world: &World) -> (Vec<TimedPoint>, Vec<TimedPoint>) {
-    let stations = world.stations[0].clone();
+    let fixed_points = world.fixed_points[0].clone();
     let over_home = PlanPoint {
-        at: stations.home.at,
-        amsl: stations.start.amsl,
+        at: fixed_points.home.at,
+        amsl: fixed_points.start.amsl,
     };
     (
-        curved(stations.start, stations.goal, 1500.0),
-        curved(stations.goal, over_home, 1500.0),
+        curved(fixed_points.start, fixed_points.goal, 1500.0),
+        curved(fixed_points.goal, over_home, 1500.0),
     )
 }
 
@@ -119,7 +119,7 @@ fn legs_are_cut_where_the_map_of_ardupilot_would_bend_them() {
         let mut spec = empty_spec(vec![copter("alpha", 1, START, far)]);
         spec.vehicles[0].autopilot = autopilot;
         let world = world(&spec);
-        let route = straight(world.stations[0].start, world.stations[0].goal);
+        let route = straight(world.fixed_points[0].start, world.fixed_points[0].goal);
         let mission = mission::build(&spec, &world, 0, &[route]).expect("a mission");
         let at = |item: &&Item| item.command == command::NAV_WAYPOINT;
         let places = mission.items.iter().filter(at).map(|item| LatLon {
@@ -137,7 +137,10 @@ fn legs_are_cut_where_the_map_of_ardupilot_would_bend_them() {
 #[test]
 fn an_ardupilot_copter_takes_off_sets_its_speed_flies_and_lands() {
     let (spec, world) = spec_of(|_| {});
-    let routes = [straight(world.stations[0].start, world.stations[0].goal)];
+    let routes = [straight(
+        world.fixed_points[0].start,
+        world.fixed_points[0].goal,
+    )];
     let mission = mission::build(&spec, &world, 0, &routes).expect("a mission");
     assert_eq!(commands(&mission), [22, 178, 16, 21]);
     let [takeoff, speed, goal, land] = mission.items[..] else {
@@ -510,7 +513,7 @@ proptest! {
             spec.mission.max_items = 600;
             spec.vehicles[0].goal.altitude = Placement::Agl(Agl(200.0 + rise_m));
         });
-        let path = curved(world.stations[0].start, world.stations[0].goal, side_m);
+        let path = curved(world.fixed_points[0].start, world.fixed_points[0].goal, side_m);
         let mission = mission::build(&spec, &world, 0, std::slice::from_ref(&path)).expect("a mission");
         let mut points = vec![decoded(&world, &mission.items[0])];
         points.extend(mission.items.iter().filter(|item| item.command == 16).map(|item| decoded(&world, item)));

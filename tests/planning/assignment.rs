@@ -51,7 +51,7 @@ fn assigned(ways: &[Vec<Option<Way>>]) -> u64 {
             own: None,
             budget: u64::MAX,
             rest_uses: 0,
-            most_visits: 100,
+            max_visits: 100,
             begins: (0, 0),
             slowest: 1000,
             late_after_way: 0,

@@ -16,7 +16,7 @@ use support::plans::{EAST, NORTH, SOUTH, WEST, plan, request};
 use support::{copter, empty_spec, generated, place, threat};
 
 /// The least height above ground along the planned points, metres.
-fn least_clearance_m(world: &World, plan: &FleetPlan, vehicle: usize) -> f64 {
+fn min_clearance_m(world: &World, plan: &FleetPlan, vehicle: usize) -> f64 {
     plan.vehicles[vehicle]
         .routes
         .iter()
@@ -58,8 +58,14 @@ fn over_flat_ground_a_copter_flies_the_straight_line() {
     assert!(vehicle.estimate >= vehicle.bound);
     assert!(vehicle.evaluations <= spec.planner.evaluations);
     let path = &vehicle.routes[0].path;
-    assert_eq!(path.first().map(|p| p.point), Some(world.stations[0].start));
-    assert_eq!(path.last().map(|p| p.point), Some(world.stations[0].goal));
+    assert_eq!(
+        path.first().map(|p| p.point),
+        Some(world.fixed_points[0].start)
+    );
+    assert_eq!(
+        path.last().map(|p| p.point),
+        Some(world.fixed_points[0].goal)
+    );
     assert!(path.windows(2).all(|pair| pair[0].t_s <= pair[1].t_s));
 }
 
@@ -201,7 +207,7 @@ fn a_ridge_is_crossed_at_minimum_clearance() {
     let (world, plan) = plan(&spec);
     let terms = plan.vehicles[0].terms;
     assert!(terms.is_clean(), "{terms:?}");
-    let clearance_m = least_clearance_m(&world, &plan, 0);
+    let clearance_m = min_clearance_m(&world, &plan, 0);
     assert!(clearance_m >= 60.0, "{clearance_m}");
     assert!(clearance_m < 70.0, "{clearance_m}");
     let top = plan.vehicles[0].routes[0]
@@ -262,8 +268,8 @@ fn a_vehicle_that_returns_has_a_second_route_to_over_its_home() {
     };
     assert_eq!(out.path.last(), back.path.first());
     let end = back.path.last().expect("a path").point;
-    assert_eq!(end.at, world.stations[0].home.at);
-    assert_eq!(end.amsl, world.stations[0].start.amsl);
+    assert_eq!(end.at, world.fixed_points[0].home.at);
+    assert_eq!(end.amsl, world.fixed_points[0].start.amsl);
     assert!(vehicle.evaluations <= spec.planner.evaluations);
     assert!(vehicle.terms.length < 1.001 * vehicle.bound);
 }
@@ -370,7 +376,7 @@ fn replanning_keeps_the_vehicles_before_and_repeats_those_after() {
     };
     let higher = replan_from(&plan, 1, &spec, &world, &wider);
     assert_eq!(plan.vehicles[0], higher.vehicles[0]);
-    assert!(least_clearance_m(&world, &higher, 1) >= 80.0);
+    assert!(min_clearance_m(&world, &higher, 1) >= 80.0);
 }
 
 proptest! {
@@ -395,7 +401,7 @@ proptest! {
         };
         let (world, plan) = plan(&spec);
         let vehicle = &plan.vehicles[0];
-        let straight_km = world.stations[0].start.distance_m(world.stations[0].goal) / 1000.0;
+        let straight_km = world.fixed_points[0].start.distance_m(world.fixed_points[0].goal) / 1000.0;
         prop_assert!((vehicle.bound - straight_km).abs() < 1e-9);
         prop_assert!(vehicle.terms.total() >= vehicle.bound - 1e-9);
         prop_assert!(vehicle.estimate >= vehicle.bound);

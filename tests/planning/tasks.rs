@@ -88,8 +88,8 @@ fn each_vehicle_does_the_tasks_on_its_side_and_loads_of_one_place_at_once() {
         let mut west = ids(&done, 0);
         west.sort_unstable();
         assert_eq!(west, ["first", "second"]);
-        let (flown, _) = done.flown(&spec, &world);
-        let stops = &flown.vehicles[0].stops;
+        let (planned_spec, _) = done.planned_spec(&spec, &world);
+        let stops = &planned_spec.vehicles[0].stops;
         assert_eq!(stops.len(), 3);
         assert_eq!((stops[0].actions.len(), stops[0].hold_s.round()), (2, 8.0));
         // The verdict finds both tasks in the items alone, and who does them.
@@ -178,8 +178,13 @@ fn a_task_beyond_the_endurance_of_all_is_left_with_the_reason_and_the_plan_fails
     }
     let (world, done) = dispatched(&spec);
     assert!(done.review.passes(), "{:?}", done.review.passes());
-    let (flown, _) = done.flown(&spec, &world);
-    assert!(flown.vehicles[1].stops.iter().any(|stop| stop.id == "own"));
+    let (planned_spec, _) = done.planned_spec(&spec, &world);
+    assert!(
+        planned_spec.vehicles[1]
+            .stops
+            .iter()
+            .any(|stop| stop.id == "own")
+    );
 }
 
 #[test]
@@ -212,8 +217,8 @@ fn a_vehicle_waits_for_a_window_and_the_verdict_holds_the_begin_against_it() {
         spec.tasks[0].stops[0].window_s = window(300.0, end_s);
         let (world, done) = dispatched(&spec);
         assert!(done.review.passes(), "{:?}", failed(&done.review));
-        let (flown, _) = done.flown(&spec, &world);
-        let stop = &flown.vehicles[1].stops[0];
+        let (planned_spec, _) = done.planned_spec(&spec, &world);
+        let stop = &planned_spec.vehicles[1].stops[0];
         assert!(stop.wait_s > 60.0, "{}", stop.wait_s);
         let missions: Vec<_> = done
             .missions
@@ -376,7 +381,7 @@ fn loads_of_nearly_one_place_are_taken_at_once() {
         let (world, done) = dispatched(&spec);
         assert!(done.review.passes(), "{:?}", failed(&done.review));
         assert_eq!(ids(&done, 0), ["first", "second"]);
-        let stops = &done.flown(&spec, &world).0.vehicles[0].stops;
+        let stops = &done.planned_spec(&spec, &world).0.vehicles[0].stops;
         assert_eq!(stops.len(), 3, "{stops:?}");
         assert!(judged_again(&spec, &world, &done).passes());
     }

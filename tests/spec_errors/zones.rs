@@ -175,8 +175,8 @@ fn zones_of_files_are_zones_with_a_source_and_what_lies_out_of_reach_is_counted(
     };
     assert!((top_m - 914.4).abs() < 1e-6);
     // Above the ceiling of the area, and on another continent.
-    let survey = &file.surveys[0];
-    assert_eq!((survey.zones.len(), survey.out_of_reach), (1, 2));
+    let import = &file.imports[0];
+    assert_eq!((import.zones.len(), import.out_of_reach), (1, 2));
     assert_eq!(file.attached[0].bytes, OPENAIR.as_bytes());
 }
 
@@ -224,11 +224,11 @@ fn classes_choose_and_what_cannot_be_read_is_an_error_until_it_is_skipped() {
     );
     let skipped = with(", skip: [HIGH]").expect("good");
     assert_eq!(
-        (skipped.surveys[0].left_out, skipped.spec.no_fly.len()),
+        (skipped.imports[0].left_out, skipped.spec.no_fly.len()),
         (1, 1)
     );
     let only = with(", only: {class: [r]}, skip: [HIGH]").expect("good");
-    assert_eq!((only.surveys[0].left_out, only.spec.no_fly.len()), (3, 0));
+    assert_eq!((only.imports[0].left_out, only.spec.no_fly.len()), (3, 0));
     let missing = read_beside(&[], "airspace: [{file: b.kml}]\n").expect_err("no file");
     assert!(
         missing[0].starts_with("airspace[0].file:") && missing[0].contains("cannot be read"),
@@ -257,7 +257,7 @@ fn obstacles_stand_on_the_ground() {
             Some(Placement::Agl(Agl(40.0)))
         ]
     );
-    assert_eq!(file.surveys[0].out_of_reach, 1);
+    assert_eq!(file.imports[0].out_of_reach, 1);
     let error = read_beside(&files, "obstacles: [{file: bad.csv}]\n").expect_err("bad");
     assert!(
         error[0].contains("line 2: `high` is no number"),

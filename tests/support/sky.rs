@@ -201,7 +201,7 @@ impl Planned {
 
     /// What each vehicle does on its way, by its plan.
     pub fn itineraries(&self) -> Vec<Itinerary> {
-        let (spec, world) = self.dispatched.flown(&self.spec, &self.world);
+        let (spec, world) = self.dispatched.planned_spec(&self.spec, &self.world);
         let mut document = plan_json("", spec, world, &self.dispatched.plan, true);
         if let Some(tasks) = &self.dispatched.tasks {
             document.add_tasks(tasks);

@@ -1159,12 +1159,12 @@ fn two_hundred_items_at_5_percent_loss_each_way_take_seconds_also_for_the_unluck
             sum += report.seconds;
         }
         println!("{profile:?}: mean {} s, worst {worst} s", sum / 100.0);
-        let most_s = if profile == Profile::Generic {
+        let max_s = if profile == Profile::Generic {
             30.0
         } else {
             15.0
         };
-        assert!(worst < most_s, "{profile:?}: {worst} s");
+        assert!(worst < max_s, "{profile:?}: {worst} s");
     }
 }
 
@@ -1172,12 +1172,12 @@ fn two_hundred_items_at_5_percent_loss_each_way_take_seconds_also_for_the_unluck
 /// our items, and what was reported.
 fn random_transfer(profile: Profile, seed: u64, storm: bool) -> (bool, TransferReport) {
     let mut rng = Seed(seed).stream("scenario", u64::from(storm));
-    let (most_loss, most_delay_ms) = if storm { (0.6, 1500) } else { (0.25, 400) };
+    let (max_loss, max_delay_ms) = if storm { (0.6, 1500) } else { (0.25, 400) };
     let weather = Weather {
-        loss: rng.random_range(0.0..most_loss),
+        loss: rng.random_range(0.0..max_loss),
         duplication: rng.random_range(0.0..0.2),
         corruption: rng.random_range(0.0..0.05),
-        delay_ms: (5, rng.random_range(5..most_delay_ms)),
+        delay_ms: (5, rng.random_range(5..max_delay_ms)),
     };
     let mut before = mission(profile, rng.random_range(0..40));
     before.items[0].y += 5;

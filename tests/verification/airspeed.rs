@@ -43,7 +43,7 @@ fn lean(name: &str, value: f32) -> Parameter {
 
 #[test]
 fn a_copter_is_held_against_what_its_lean_angle_allows() {
-    for (speed_mps, params, most_mps) in [
+    for (speed_mps, params, max_mps) in [
         (9.5, vec![], 9.5),
         (12.0, vec![], 9.5),
         (12.0, vec![lean("ANGLE_MAX", 4300.0)], 12.07),
@@ -55,8 +55,8 @@ fn a_copter_is_held_against_what_its_lean_angle_allows() {
         let (spec, mut mission) = flown_at(speed_mps, true);
         mission.params.extend(params);
         let found = airspeed(&spec, &mission).expect("judged");
-        assert!((found.bound - most_mps).abs() < 0.01, "{found:?}");
-        assert_eq!(found.ok, speed_mps <= most_mps + 0.01, "{found:?}");
+        assert!((found.bound - max_mps).abs() < 0.01, "{found:?}");
+        assert_eq!(found.ok, speed_mps <= max_mps + 0.01, "{found:?}");
     }
     let (mut spec, mission) = flown_at(15.0, true);
     spec.vehicles[0].max_airspeed_mps = Some(16.0);
@@ -68,7 +68,7 @@ fn a_copter_is_held_against_what_its_lean_angle_allows() {
 #[test]
 fn a_wind_counts_on_each_leg_as_it_blows_there() {
     // From the west, with the wind and against it; from the north, across.
-    for (from_deg, is_east, through_mps, most_over_ground) in [
+    for (from_deg, is_east, through_mps, max_over_ground) in [
         // Faster than that it hovers in it.
         (270.0_f64, true, 5.0, None),
         (270.0, false, 14.0, Some("4.5 at most")),
@@ -85,7 +85,7 @@ fn a_wind_counts_on_each_leg_as_it_blows_there() {
             "{from_deg}: {found:?}"
         );
         assert_eq!(found.ok, through_mps < 9.5, "{from_deg}: {found:?}");
-        let named = most_over_ground.unwrap_or_default();
+        let named = max_over_ground.unwrap_or_default();
         assert!(found.note.ends_with(named), "{from_deg}: {found:?}");
     }
 }

@@ -477,11 +477,11 @@ fn a_px4_copter_climbs_to_the_takeoff_altitude_of_its_parameters() {
     spec.vehicles[0].autopilot = Autopilot::Px4;
     mission.autopilot = Autopilot::Px4;
     mission.items[0].z = (GROUND_M + 30.0) as f32;
-    let ceiling_m = |least_m: Option<f32>, first: usize| {
+    let ceiling_m = |min_m: Option<f32>, first: usize| {
         let mut mission = mission.clone();
         // Without a takeoff it climbs to the first waypoint by itself.
         mission.items.drain(..first);
-        mission.params.extend(least_m.map(|value| Parameter {
+        mission.params.extend(min_m.map(|value| Parameter {
             name: "MIS_TAKEOFF_ALT".to_owned(),
             value,
             why: String::new(),
@@ -489,11 +489,11 @@ fn a_px4_copter_climbs_to_the_takeoff_altitude_of_its_parameters() {
         find(&judge(&spec, &mission), &Limit::Ceiling).value
     };
     for first in [0, 1] {
-        for (least_m, above_m) in [(None, 30.0), (Some(10.0), 30.0), (Some(90.0), 90.0)] {
-            let found_m = ceiling_m(least_m, first) - GROUND_M;
+        for (min_m, above_m) in [(None, 30.0), (Some(10.0), 30.0), (Some(90.0), 90.0)] {
+            let found_m = ceiling_m(min_m, first) - GROUND_M;
             assert!(
                 (found_m - above_m).abs() < 0.01,
-                "{first} {least_m:?}: {found_m}"
+                "{first} {min_m:?}: {found_m}"
             );
         }
     }

@@ -13,11 +13,11 @@ fn failed(review: &Review) -> Vec<&Limit> {
 
 /// A flight of 2.3 km to the east over flat ground, up to 20 m lower than its ends.
 fn spec(agl_m: f64, obstacles: &str) -> String {
-    let least_m = agl_m - 20.0;
+    let min_m = agl_m - 20.0;
     format!(
         "sortie: 2
 name: line
-area: {{south_west: {{lat: 46.99, lon: 7.97}}, north_east: {{lat: 47.01, lon: 8.03}}, min_agl_m: {least_m}, max_amsl_m: 700}}
+area: {{south_west: {{lat: 46.99, lon: 7.97}}, north_east: {{lat: 47.01, lon: 8.03}}, min_agl_m: {min_m}, max_amsl_m: 700}}
 terrain: {{flat: {{amsl_m: 400}}}}
 {obstacles}
 planner: {{evaluations: 1000}}

@@ -436,7 +436,7 @@ fn one_path_in_four_references_has_one_clearance() {
     };
     let world = world(&spec);
     let vehicle = spec.vehicles[0].clone();
-    let home_m = world.stations[0].home.amsl.0;
+    let home_m = world.fixed_points[0].home.amsl.0;
     // Fine steps, so that linear in altitude and linear above ground are nearly the same path.
     let places: Vec<LatLon> = (0..=90)
         .map(|i| place(36.30, -84.30 + 0.1 * f64::from(i) / 90.0))
@@ -628,7 +628,7 @@ fn what_is_left_of_a_leg_that_was_begun_is_not_judged_by_its_slope() {
             land(east()),
         ];
         let mut world = world(&spec);
-        world.stations[0].departure = Departure::Airborne {
+        world.fixed_points[0].departure = Departure::Airborne {
             point: here,
             course_rad: std::f64::consts::FRAC_PI_2,
             speed_mps: 5.0,
@@ -651,7 +651,7 @@ fn a_vehicle_that_begins_in_its_landing_descent_is_judged_by_its_column() {
         at: world.frame.to_plan(east()),
         amsl: Amsl(GROUND_M + 40.0),
     };
-    world.stations[0].departure = Departure::Airborne {
+    world.fixed_points[0].departure = Departure::Airborne {
         point: over,
         course_rad: 0.0,
         speed_mps: 0.0,

@@ -33,7 +33,7 @@ const COMPARED: [(&str, &[&str]); 6] = [
     ),
 ];
 /// The least number of margins of each.
-const LEAST: usize = 5;
+const MIN: usize = 5;
 
 /// Adds the numbers of lines such as `compared plane-px4: clearance 8, slope 8`.
 fn count(found: &str, counts: &mut BTreeMap<(String, String), usize>) {
@@ -80,7 +80,7 @@ fn dense_sampling_of_random_fleets_of_every_kind_finds_what_the_verdict_reports(
         for measure in measures {
             let found = counts.get(&(kind.to_owned(), (*measure).to_owned()));
             assert!(
-                found.is_some_and(|&found| found >= LEAST),
+                found.is_some_and(|&found| found >= MIN),
                 "{kind}, {measure}: {found:?} compared"
             );
         }

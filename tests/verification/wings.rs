@@ -201,7 +201,7 @@ fn a_circle_is_as_near_to_the_edge_as_its_outermost_place() {
     let (mut spec, mut mission) = quadplane(Autopilot::Px4);
     spec.area.north_east.lon_deg = spot(3300.0, 0.0).lon_deg;
     // Its chords begin where the wing comes to it: a little further around each time.
-    let most_m = (0..13).map(|step| {
+    let max_m = (0..13).map(|step| {
         let middle = spot(3000.0, 5.0 * f64::from(step));
         let circle = mission.items.last_mut().expect("a circle");
         let moved = at(circle.command, frame::GLOBAL, middle, UP_M, 0.0);
@@ -209,8 +209,8 @@ fn a_circle_is_as_near_to_the_edge_as_its_outermost_place() {
         let found = margin(&spec, &mission, &Limit::Area).expect("judged");
         found.value - 200.0
     });
-    let most_m = most_m.fold(f64::NEG_INFINITY, f64::max);
-    assert!(most_m.abs() <= 0.03 && most_m <= 5e-3, "{most_m}");
+    let max_m = max_m.fold(f64::NEG_INFINITY, f64::max);
+    assert!(max_m.abs() <= 0.03 && max_m <= 5e-3, "{max_m}");
 }
 
 #[test]

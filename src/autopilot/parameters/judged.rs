@@ -71,7 +71,7 @@ const CLIMB_THROTTLE: Judged = Judged::AtLeast(50.0);
 /// `IMMEDIATE_CLIMB_IN_AUTO` (bit 14); in wind a ground speed that is held, up and down in thermals. Without an airspeed
 /// sensor, or with one that counts only at zero throttle (`ARSPD_USE` 2), `AP_TECS::_update_speed` takes its speed to be
 /// the one that it should have, and the throttle alone decides how fast it flies.
-pub(in crate::autopilot) const PLANE_JUDGED: &[(&str, Judged)] = &[
+pub(in crate::autopilot) const WING_JUDGED: &[(&str, Judged)] = &[
     ("FLIGHT_OPTIONS", Judged::Without(1 << 14)),
     ("MIN_GROUNDSPEED", OFF),
     ("MIN_GNDSPD_CM", OFF),
@@ -82,20 +82,10 @@ pub(in crate::autopilot) const PLANE_JUDGED: &[(&str, Judged)] = &[
     ("TECS_PITCH_MAX", CLIMB_PITCH),
     ("PTCH_LIM_MAX_DEG", PITCH_LIMIT),
     ("THR_MAX", CLIMB_THROTTLE),
-    ("Q_ENABLE", OFF),
 ];
+pub(in crate::autopilot) const PLANE_JUDGED: &[(&str, Judged)] = &[("Q_ENABLE", OFF)];
 /// Those of `Q_OPTIONS` for an approach on the wing (bit 4) and altitudes of takeoffs (bit 3).
 pub(in crate::autopilot) const QUADPLANE_JUDGED: &[(&str, Judged)] = &[
-    ("FLIGHT_OPTIONS", Judged::Without(1 << 14)),
-    ("MIN_GROUNDSPEED", OFF),
-    ("MIN_GNDSPD_CM", OFF),
-    ("SOAR_ENABLE", OFF),
-    ("ARSPD_ENABLE", ON),
-    ("ARSPD_TYPE", Judged::IsNot(0)),
-    ("ARSPD_USE", ON),
-    ("TECS_PITCH_MAX", CLIMB_PITCH),
-    ("PTCH_LIM_MAX_DEG", PITCH_LIMIT),
-    ("THR_MAX", CLIMB_THROTTLE),
     ("Q_OPTIONS", Judged::Without(1 << 3 | 1 << 4)),
     ("Q_ENABLE", ON),
 ];

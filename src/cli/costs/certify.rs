@@ -127,7 +127,7 @@ fn stops_of_tasks(
             points.push(PlanPoint { at, amsl });
         }
         vehicle.stops = made;
-        world.stations[index].stops = points;
+        world.fixed_points[index].stops = points;
     }
     Ok(())
 }

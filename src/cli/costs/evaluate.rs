@@ -241,8 +241,8 @@ fn numbers(line: &[u8], rows: &mut Vec<f64>) -> Result<(), String> {
 
 /// A word out of the input as a terminal may have it: escaped, and not without end.
 fn shown(word: &str) -> String {
-    const MOST: usize = 40;
-    let start: String = word.chars().take(MOST).collect();
+    const MAX: usize = 40;
+    let start: String = word.chars().take(MAX).collect();
     let rest = if start.len() < word.len() { "..." } else { "" };
     format!("{}{rest}", start.escape_debug())
 }

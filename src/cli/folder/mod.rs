@@ -38,7 +38,7 @@ pub(super) fn plan_document<'a>(
     world: &'a World,
     dispatched: &'a Dispatched,
 ) -> PlanDocument<'a> {
-    let (spec, world) = dispatched.flown(&file.spec, world);
+    let (spec, world) = dispatched.planned_spec(&file.spec, world);
     let passes = dispatched.review.passes();
     let sha256 = sha256(&file.text);
     let mut document = PlanDocument {
@@ -65,7 +65,7 @@ pub(super) fn write(
     dispatched: &Dispatched,
     timing: &dyn Fn() -> serde_json::Value,
 ) -> Result<(), Failure> {
-    let folder = NewFolder::next_to(out, in_the_way)?;
+    let folder = NewFolder::next_to(out, reason_not_to_replace)?;
     copy_terrain(&folder, file)?;
     if let Some(table) = &file.table {
         folder.write(&table.name.to_string_lossy(), table.text.as_bytes())?;
@@ -93,7 +93,7 @@ fn write_documents(
     dispatched: &Dispatched,
 ) -> Result<(), Failure> {
     let review = &dispatched.review;
-    let (spec, flown_in) = dispatched.flown(&file.spec, world);
+    let (spec, flown_in) = dispatched.planned_spec(&file.spec, world);
     let paths: Vec<(&str, Vec<TimedPoint>)> = spec
         .vehicles
         .iter()
@@ -268,11 +268,11 @@ pub(super) fn refuse_edited(
     }
     for (vehicle, path) in files {
         let mission = read_mission(path, file, *vehicle)?;
-        if let Some(twin) = disagreeing_twin(path, &mission)? {
+        if let Some(counterpart) = disagreeing_counterpart(path, &mission)? {
             return edited(format!(
                 "{} and {} disagree",
                 path.display(),
-                twin.display()
+                counterpart.display()
             ));
         }
     }
@@ -280,23 +280,28 @@ pub(super) fn refuse_edited(
 }
 
 /// The other of the two files of a mission, if it holds another one.
-pub(super) fn disagreeing_twin(
+pub(super) fn disagreeing_counterpart(
     path: &Path,
     mission: &VehicleMission,
 ) -> Result<Option<PathBuf>, Failure> {
-    let twin = path.with_extension("waypoints");
-    if twin == path || !twin.exists() {
+    let counterpart = path.with_extension("waypoints");
+    if counterpart == path || !counterpart.exists() {
         return Ok(None);
     }
-    let mut document = read_document(&twin)?;
+    let mut document = read_document(&counterpart)?;
     document.home = document.home.or(Some(mission.home));
     let other = document
         .into_mission(mission.autopilot, mission.airframe)
         .map(|other| other.for_version(mission.autopilot_version))
-        .map_err(|error| Failure::new(Failure::INPUT, format!("{}: {error}", twin.display())))?;
+        .map_err(|error| {
+            Failure::new(
+                Failure::INPUT,
+                format!("{}: {error}", counterpart.display()),
+            )
+        })?;
     // The twin has lost what its format cannot hold; so must the other to be compared.
     let is_same = formats::waypoints::write(mission) == formats::waypoints::write(&other);
-    Ok((!is_same).then_some(twin))
+    Ok((!is_same).then_some(counterpart))
 }
 
 /// The hashes of the spec and its table from which an output folder was made; none if the
@@ -315,7 +320,7 @@ fn planned_from(folder: &Path) -> Option<(String, Option<String>)> {
 }
 
 /// Why a folder cannot be replaced; none if it holds only the files that `plan` wrote.
-pub(super) fn in_the_way(target: &Path) -> Option<String> {
+pub(super) fn reason_not_to_replace(target: &Path) -> Option<String> {
     let Ok(entries) = fs::read_dir(target) else {
         return target
             .exists()

@@ -32,12 +32,12 @@ impl NewFolder {
     /// way. A link is followed, so that it still is one afterwards.
     pub(crate) fn next_to(
         target: &Path,
-        in_the_way: impl Fn(&Path) -> Option<String>,
+        reason_not_to_replace: impl Fn(&Path) -> Option<String>,
     ) -> Result<Self, OutputError> {
         let target = &fs::canonicalize(target)
             .or_else(|_| std::path::absolute(target))
             .map_err(at(target))?;
-        if let Some(reason) = in_the_way(target) {
+        if let Some(reason) = reason_not_to_replace(target) {
             let source = io::Error::new(io::ErrorKind::AlreadyExists, reason);
             return Err(OutputError {
                 path: target.clone(),
@@ -156,7 +156,7 @@ fn remove_leftovers(target: &Path) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::folder::in_the_way;
+    use crate::cli::folder::reason_not_to_replace;
 
     #[test]
     fn a_folder_replaces_the_old_one_as_a_whole() {
@@ -211,7 +211,7 @@ mod tests {
     fn a_folder_that_is_not_an_earlier_plan_is_never_replaced() {
         let home = tempfile::tempdir().unwrap();
         fs::write(home.path().join("thesis.tex"), b"").unwrap();
-        let message = NewFolder::next_to(home.path(), in_the_way)
+        let message = NewFolder::next_to(home.path(), reason_not_to_replace)
             .err()
             .unwrap()
             .to_string();
@@ -224,7 +224,7 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let target = home.path().join("out");
         fs::write(&target, b"").unwrap();
-        let message = NewFolder::next_to(&target, in_the_way)
+        let message = NewFolder::next_to(&target, reason_not_to_replace)
             .err()
             .unwrap()
             .to_string();

@@ -68,7 +68,7 @@ pub(crate) fn run(
         record
     };
     let record = of_fleet(record, path, &file)?;
-    deliver(&file, &world, &record, &missions, arguments)
+    write_result(&file, &world, &record, &missions, arguments)
 }
 
 /// The folder of the plan that a record in `DIR.runs/` belongs to.
@@ -131,7 +131,7 @@ fn compare(
     world: &World,
     (file, missions): (&SpecFile, &[(usize, VehicleMission)]),
 ) {
-    let nowhen = |vehicle: &str| Track {
+    let untimed = |vehicle: &str| Track {
         vehicle: vehicle.to_owned(),
         moments: Vec::new(),
         late_s: Vec::new(),
@@ -143,7 +143,7 @@ fn compare(
         let Some(plan) = flight.and_then(|flight| flight.plans.first()) else {
             continue;
         };
-        let held = Reference::new(mission, &nowhen(id), world);
+        let held = Reference::new(mission, &untimed(id), world);
         let is_alike = plan.items == mission.items.len()
             && plan.reference.lands == held.lands
             && plan.reference.waypoints.len() == held.waypoints.len()
@@ -217,15 +217,15 @@ fn capture(
 /// The record with everyone of the spec in it, in that order: who was not flown fails.
 fn of_fleet(record: Record, path: &Path, file: &SpecFile) -> Result<Record, Failure> {
     let fleet = &file.spec.vehicles;
-    let stranger = record
+    let unknown = record
         .flights
         .iter()
         .find(|flight| fleet.iter().all(|vehicle| vehicle.id != flight.vehicle));
-    if let Some(stranger) = stranger {
+    if let Some(unknown) = unknown {
         let message = format!(
             "{}: no vehicle {} in the spec {}",
             path.display(),
-            stranger.vehicle,
+            unknown.vehicle,
             file.path.display()
         );
         return Err(Failure::new(Failure::INPUT, message));
@@ -245,7 +245,7 @@ fn of_fleet(record: Record, path: &Path, file: &SpecFile) -> Result<Record, Fail
     })
 }
 
-fn deliver(
+fn write_result(
     file: &SpecFile,
     world: &World,
     record: &Record,

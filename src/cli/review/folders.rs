@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::cli::folder::disagreeing_twin;
+use crate::cli::folder::disagreeing_counterpart;
 use crate::cli::print::failure::Failure;
 use crate::mission::VehicleMission;
 
@@ -30,11 +30,11 @@ pub(super) fn refuse_disagreeing<'a>(
         if !paths.iter().any(|folder| path.parent() == Some(folder)) {
             continue;
         }
-        if let Some(twin) = disagreeing_twin(path, mission)? {
+        if let Some(counterpart) = disagreeing_counterpart(path, mission)? {
             let message = format!(
                 "{} and {} disagree: name the one to review",
                 path.display(),
-                twin.display()
+                counterpart.display()
             );
             return Err(Failure::new(Failure::VERDICT, message));
         }

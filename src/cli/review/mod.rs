@@ -91,7 +91,7 @@ fn with_spec(
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&file.spec, &world, &judged);
     warn(&mut review, verify::distant_from_area(&file.spec, &judged));
-    deliver(
+    write_result(
         &ReviewInput {
             spec: &file.spec,
             world: &world,
@@ -229,7 +229,7 @@ fn without_spec(
         note(&format!("note: {text}"));
     }
     warn(&mut review, verify::distant_from_home(&made.spec, &judged));
-    deliver(
+    write_result(
         &ReviewInput {
             spec: &made.spec,
             world: &made.world,
@@ -303,7 +303,7 @@ fn hand_out(lists: &[(PathBuf, Document)], document: &mut Document) {
 }
 
 /// Writes and prints the review; an error if the missions fail.
-fn deliver(
+fn write_result(
     input: &ReviewInput<'_>,
     not_judged: &[String],
     arguments: &args::Review,

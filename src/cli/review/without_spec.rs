@@ -296,11 +296,11 @@ fn speed_mps(
         .map(|(_, item)| item);
     let held = |name: &str| mission::value_si_of(params, name);
     let [least, most] = defaults.speed_parameters;
-    let least_mps = least.and_then(held).unwrap_or(0.0);
-    let most_mps = most.and_then(held).unwrap_or(100.0);
+    let min_mps = least.and_then(held).unwrap_or(0.0);
+    let max_mps = most.and_then(held).unwrap_or(100.0);
     let in_mission = changes
         .map(|item| f64::from(item.params[1]))
-        .find(|mps| (0.5..=100.0).contains(mps) && (least_mps..=most_mps.min(100.0)).contains(mps));
+        .find(|mps| (0.5..=100.0).contains(mps) && (min_mps..=max_mps.min(100.0)).contains(mps));
     let cruise = held(defaults.cruise_parameter).filter(|mps| (0.5..=100.0).contains(mps));
     let first = limits.speed.or(in_mission).or(cruise);
     first.unwrap_or_else(|| defaults.cruise_mps())
@@ -445,7 +445,7 @@ fn world(
     for (index, mission) in missions {
         let home = spec.vehicles[*index].home;
         let row = Amsl(f64::from(mission.home.amsl_m));
-        world.stations[*index].home.amsl = terrain.height(home).unwrap_or(row);
+        world.fixed_points[*index].home.amsl = terrain.height(home).unwrap_or(row);
     }
     world.terrain = terrain;
     Ok(world)

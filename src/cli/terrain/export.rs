@@ -17,7 +17,7 @@ pub(crate) fn run(arguments: &args::TerrainExport) -> Result<(), Failure> {
     let default = || PathBuf::from("out").join(format!("{}.terrain", file.spec.name));
     let target = arguments.out.clone().unwrap_or_else(default);
     let database = dat::write(&world.terrain, &file.spec.area, arguments.spacing);
-    let folder = NewFolder::next_to(&target, in_the_way)?;
+    let folder = NewFolder::next_to(&target, reason_not_to_replace)?;
     for file in &database.files {
         folder.write(&file.name, &file.bytes)?;
     }
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &args::TerrainExport) -> Result<(), Failure> {
 }
 
 /// Only a folder of such files and nothing else may be replaced.
-fn in_the_way(target: &Path) -> Option<String> {
+fn reason_not_to_replace(target: &Path) -> Option<String> {
     let Ok(entries) = fs::read_dir(target) else {
         return target
             .exists()

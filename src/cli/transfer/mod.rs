@@ -1,5 +1,5 @@
 //! `sortie upload` and `sortie download`.
 
-pub(super) mod delivery;
 pub(super) mod download;
+pub(super) mod fleet_transfer;
 pub(super) mod upload;

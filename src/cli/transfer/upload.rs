@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use super::delivery::Delivery;
+use super::fleet_transfer::FleetTransfer;
 use crate::cli::args;
 use crate::cli::folder::{self, missions, runs};
 use crate::cli::links::{self, link_of};
@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         if !arguments.force {
             let reason = "the missions do not pass verification; nothing was sent";
             if arguments.json {
-                out_json(&Delivery::nothing(reason))?;
+                out_json(&FleetTransfer::nothing(reason))?;
             }
             return Err(Failure::new(Failure::VERDICT, reason));
         }
@@ -63,23 +63,23 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     if arguments.dry_run {
         if arguments.json {
             let reason = "nothing was sent (--dry-run)";
-            return out_json(&Delivery::nothing(reason));
+            return out_json(&FleetTransfer::nothing(reason));
         }
         return print_dry_run(&file, &missions, &links);
     }
     refuse_flown(&file, &missions, &links, &target)?;
     runs::make(&runs::folder(&target))?;
     let tlog = arguments.tlog.as_deref();
-    let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
-    delivery.record(&target)?;
-    delivery.warn();
+    let transfer = upload_fleet(&file, judged, &links, arguments.force, tlog)?;
+    transfer.record(&target)?;
+    transfer.warn();
     if arguments.json {
-        out_json(&delivery.json())?;
+        out_json(&transfer.json())?;
     } else {
-        delivery.print()?;
+        transfer.print()?;
         table::print_no_buffers(&file.spec)?;
     }
-    delivery.verdict()
+    transfer.verdict()
 }
 
 /// Warns of copters that a later version of their autopilot flies at other altitudes than judged.
@@ -178,13 +178,13 @@ fn print_dry_run(
 
 /// Transfers to every vehicle at once. Simulated vehicles are started inside
 /// this process and reached over UDP on loopback like any other.
-pub(crate) fn deliver(
+pub(crate) fn upload_fleet(
     file: &SpecFile,
     missions: Vec<(usize, &VehicleMission)>,
     links: &[(usize, Link)],
     force: bool,
     tlog: Option<&Path>,
-) -> Result<Delivery, Failure> {
+) -> Result<FleetTransfer, Failure> {
     links::refuse_shared(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
     let capture = tlog.map(begin_capture).transpose()?;
     let mut simulated: Vec<Running> = Vec::new();
@@ -228,7 +228,7 @@ pub(crate) fn deliver(
     if let Some(Err(error)) = capture.map(Tlog::finish) {
         note(&format!("the capture is not complete: {error}"));
     }
-    Ok(Delivery { reports })
+    Ok(FleetTransfer { reports })
 }
 
 /// A capture in a file, or in a folder under the time of its beginning.

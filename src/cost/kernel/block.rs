@@ -49,7 +49,7 @@ pub(crate) struct Block<S: Simd> {
 /// What is seen of pieces as they are measured.
 struct Look<S: Simd> {
     before: Steps<S>,
-    least_sq: V<S>,
+    min_sq: V<S>,
     steep: Lanes<S>,
     /// Eight bits for each piece, the last one's on top.
     tight: u64,
@@ -63,7 +63,7 @@ impl<S: Simd> Look<S> {
         let none = zero.simd_gt(zero);
         Self {
             before: *before,
-            least_sq: splat(simd, f64::INFINITY),
+            min_sq: splat(simd, f64::INFINITY),
             steep: none,
             tight: 0,
         }
@@ -73,7 +73,7 @@ impl<S: Simd> Look<S> {
     #[inline(always)]
     fn measure(&mut self, limits: &LimitLanes<S>, ends: &[Position<S>]) -> Steps<S> {
         let step = steps::<S>(&ends[0], &ends[1]);
-        self.least_sq = self.least_sq.min(step.run_sq);
+        self.min_sq = self.min_sq.min(step.run_sq);
         self.steep |= limits.may_be_steep(&step);
         let tight = limits.may_be_tight(&self.before, &step);
         self.tight = self.tight >> u8::BITS | tight.to_bitmask() << (u64::BITS - u8::BITS);
@@ -209,7 +209,7 @@ impl<S: Simd> Block<S> {
                 }
             }
         }
-        self.stays = look.least_sq.simd_le(POINT_SQ).any_true();
+        self.stays = look.min_sq.simd_le(POINT_SQ).any_true();
         // There is no turn into the first piece.
         let first = if self.start == 0 { u8::BITS } else { 0 };
         let pieces = look.tight >> (u8::BITS as usize * (BLOCK - self.count));

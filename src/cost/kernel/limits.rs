@@ -46,7 +46,7 @@ impl<S: Simd> LimitLanes<S> {
         };
         let share_within = (model.slope_share * (1.0 - ROUNDING)).max(0.0);
         let allowed_sq = |limit: &SlopeLimit, by_speed: f64| {
-            let slope = limit.least_by_shape(model.max_amsl_m).min(by_speed) * share_within;
+            let slope = limit.min_by_shape(model.max_amsl_m).min(by_speed) * share_within;
             splat(simd, slope * slope)
         };
         let per_radius = model.per_turn_radius;

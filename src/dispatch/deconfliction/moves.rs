@@ -108,9 +108,9 @@ pub(super) fn shapes(shape: &Shape, separation: &Separation) -> Vec<Shape> {
 pub(super) fn random(shape: &Shape, separation: &Separation, rng: &mut ChaCha8Rng) -> Shape {
     let (side_m, up_m) = units(separation);
     let is = |rng: &mut ChaCha8Rng, share: f64| f64::from(u8::from(rng.random_bool(share)));
-    let most_aside = *ASIDE.last().unwrap_or(&0.0) * side_m;
+    let max_aside = *ASIDE.last().unwrap_or(&0.0) * side_m;
     let change = Move {
-        aside_m: is(rng, 0.7) * rng.random_range(-most_aside..most_aside),
+        aside_m: is(rng, 0.7) * rng.random_range(-max_aside..max_aside),
         peak: rng.random_range(0.2..0.8),
         up_m: is(rng, 0.7) * rng.random_range(RAISED[0]..RAISED[RAISED.len() - 1]) * up_m,
         raised: (rng.random_range(0.25..0.75), rng.random_range(0.05..0.35)),

@@ -17,7 +17,7 @@ use crate::verify::{VerifiedTrajectory, verified_trajectories};
 use crate::world::{OwnWorld, PlanZone, World};
 
 /// Most plans of a fleet.
-const MOST: usize = 8;
+const MAX: usize = 8;
 /// A vehicle departs at another time for one path, and once more for the next.
 const MAX_DEPARTURES: usize = 3;
 /// Beyond what the verdict needs, seconds.
@@ -41,7 +41,7 @@ pub(super) fn in_time(
     dispatch_closed: &impl Fn(Job<'_>) -> Dispatched,
 ) -> Option<Dispatched> {
     let mut choice = Choice::first(job);
-    for _ in 0..MOST {
+    for _ in 0..MAX {
         if choice.open.iter().all(BTreeSet::is_empty) || job.run.is_cancelled() {
             return None;
         }
@@ -70,12 +70,12 @@ impl Choice {
     /// Through all zones that are not active from the first to the last second of a flight.
     fn first(job: Job<'_>) -> Self {
         let (spec, world) = (job.spec, job.world);
-        let fleet = spec.vehicles.iter().zip(&world.stations);
-        let open = fleet.map(|(vehicle, stations)| {
+        let fleet = spec.vehicles.iter().zip(&world.fixed_points);
+        let open = fleet.map(|(vehicle, fixed_points)| {
             let departures = vehicle.departures();
             let first_s = departures.least.min(vehicle.depart_s);
             let last_s =
-                departures.most.max(vehicle.depart_s) + DETOUR * straight_s(vehicle, stations);
+                departures.most.max(vehicle.depart_s) + DETOUR * straight_s(vehicle, fixed_points);
             let may_be_open = |zone: &PlanZone| {
                 let is_always = |(from_s, to_s): (f64, f64)| from_s <= first_s && last_s <= to_s;
                 zone.active_s.is_some_and(|active_s| !is_always(active_s))

@@ -220,12 +220,12 @@ impl Alarms<'_> {
             let late_s = found.map(|of| here.fix.t_s - of.t_s);
             of.tube.late_s = late_s.filter(|_| is_on_plan);
             let assumed_s = assumed_late_s(of, here.fix.item);
-            let most_s = assumed_s + slack_s + LATE_ERROR_S;
+            let max_s = assumed_s + slack_s + LATE_ERROR_S;
             let own_s = of.tube.late_s.map(|late_s| late_s - slip_s);
             of.tube.remember(here.fix.t_s, own_s);
-            let late = own_s.filter(|late_s| *late_s > most_s);
+            let late = own_s.filter(|late_s| *late_s > max_s);
             let late = late.map(|late_s| {
-                format!("{late_s:.0} s behind its plan (the verdict assumed at most {most_s:.0} s)")
+                format!("{late_s:.0} s behind its plan (the verdict assumed at most {max_s:.0} s)")
             });
             (of.tube.corridor(&of.plan, here), late)
         } else {

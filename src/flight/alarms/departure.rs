@@ -18,16 +18,16 @@ impl Watched<'_> {
         let (item, slip_s) = here.map_or((0, 0.0), |here| {
             (here.fix.item, self.tube.slip_s(&here.fix))
         });
-        let most_s = assumed_late_s(self, item) + slack_s + LATE_ERROR_S;
+        let max_s = assumed_late_s(self, item) + slack_s + LATE_ERROR_S;
         let late_s = t_s - departs_s - slip_s;
         let is_known = here.is_some() && self.silent_s <= STALE_S;
         let what = match is_known {
             true => "has not taken off",
             false => "is not known to have taken off:",
         };
-        (late_s > most_s).then(|| {
+        (late_s > max_s).then(|| {
             format!(
-                "{what} {late_s:.0} s after its departure (the verdict assumed at most {most_s:.0} s)"
+                "{what} {late_s:.0} s after its departure (the verdict assumed at most {max_s:.0} s)"
             )
         })
     }
@@ -39,10 +39,10 @@ impl Watched<'_> {
         let up_s = self.up_s.take_if(|_| is_off)?;
         let early_s = home.t_s - up_s;
         let assumed_s = 0.0 - takeoff_lateness_s(self.vehicle).least;
-        let most_s = assumed_s + slack_s + LATE_ERROR_S;
-        (early_s > most_s).then(|| {
+        let max_s = assumed_s + slack_s + LATE_ERROR_S;
+        (early_s > max_s).then(|| {
             format!(
-                "took off {early_s:.0} s before its departure (the verdict assumed at most {most_s:.0} s)"
+                "took off {early_s:.0} s before its departure (the verdict assumed at most {max_s:.0} s)"
             )
         })
     }

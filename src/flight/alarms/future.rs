@@ -3,7 +3,7 @@
 use super::breach::{Depth, error_m};
 use super::corridor::assumed_late_s;
 use super::{Alarms, Here, Watched};
-use crate::numeric::approach::{Segment, closest_approach, least_ratio};
+use crate::numeric::approach::{Segment, closest_approach, min_ratio};
 use crate::path::{Departing, takeoff_shift_s, with_stops_s};
 use crate::spec::{AlarmKind, Separation};
 
@@ -160,10 +160,11 @@ impl Alarms<'_> {
     }
 
     fn departing(&self, index: usize) -> Departing<'_> {
-        let stations = self.world.stations.get(index);
+        let fixed_points = self.world.fixed_points.get(index);
         Departing {
             vehicle: self.vehicles[index].vehicle,
-            is_airborne: stations.is_some_and(|stations| stations.departure.is_airborne()),
+            is_airborne: fixed_points
+                .is_some_and(|fixed_points| fixed_points.departure.is_airborne()),
         }
     }
 
@@ -200,7 +201,7 @@ impl Alarms<'_> {
             return None;
         }
         let id = &two.vehicle.id;
-        let least_m = self.spec.separation.distance_m;
+        let min_m = self.spec.separation.distance_m;
         let why = [(one, a), (two, b)].map(|(of, future)| {
             let id = &of.vehicle.id;
             match future.late_s {
@@ -214,7 +215,7 @@ impl Alarms<'_> {
             }
         });
         Some(format!(
-            "{id} will be {value:.0} m away at T0+{at_s:.0} s (at least {least_m:.0} m; {}, {})",
+            "{id} will be {value:.0} m away at T0+{at_s:.0} s (at least {min_m:.0} m; {}, {})",
             why[0], why[1]
         ))
     }
@@ -254,7 +255,7 @@ pub(super) fn nearest(
         for two in together {
             let found = match limit.vertical_m {
                 None => closest_approach(one, two, apart_s).map(|near| (near.value, near.t_s)),
-                Some(vertical_m) => least_ratio(one, two, apart_s, limit.distance_m, vertical_m)
+                Some(vertical_m) => min_ratio(one, two, apart_s, limit.distance_m, vertical_m)
                     .map(|near| (near.value * limit.distance_m, near.t_s)),
             };
             if let Some(found) = found.filter(|of| best.is_none_or(|least| of.0 < least.0)) {

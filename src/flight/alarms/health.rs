@@ -42,7 +42,7 @@ pub(super) struct HealthState {
     reserve: Option<f64>,
     /// Time since anything was heard, seconds, and what makes a report an old one.
     quiet_s: f64,
-    most_s: f64,
+    max_s: f64,
     /// Percent left of each battery.
     batteries: Vec<Reported<i8>>,
     /// `MAV_BATTERY_CHARGE_STATE` of each that says so.
@@ -74,9 +74,9 @@ impl HealthState {
     }
 
     /// Time passes in which somebody listened. The vehicle is heard unless it was silent for `quiet_s`; a
-    /// report is old after `most_s`.
-    pub(super) fn listen(&mut self, listened_s: f64, quiet_s: f64, most_s: f64) {
-        self.most_s = most_s;
+    /// report is old after `max_s`.
+    pub(super) fn listen(&mut self, listened_s: f64, quiet_s: f64, max_s: f64) {
+        self.max_s = max_s;
         self.quiet_s += listened_s;
         if self.quiet_s > quiet_s {
             // Nothing at all is heard: that is an alarm of its own.
@@ -171,15 +171,13 @@ impl HealthState {
     /// Percent of the battery left, of the emptiest that still says so.
     pub(super) fn remaining(&self) -> Option<i8> {
         let all = self.batteries.iter();
-        let fresh = all.filter(|of| of.age.beyond(self.most_s).is_none());
+        let fresh = all.filter(|of| of.age.beyond(self.max_s).is_none());
         fresh.map(|of| of.value).min()
     }
 
     /// `GPS_FIX_TYPE`, as long as it says so.
     pub(super) fn fix(&self) -> Option<u8> {
-        let fresh = self
-            .fix
-            .filter(|(_, age)| age.beyond(self.most_s).is_none());
+        let fresh = self.fix.filter(|(_, age)| age.beyond(self.max_s).is_none());
         fresh.map(|(fix, _)| fix)
     }
 
@@ -197,7 +195,7 @@ impl HealthState {
         };
         let (id, silent_s) = all
             .iter()
-            .find_map(|(id, _)| Some((*id, latest(*id)?.beyond(self.most_s)?)))?;
+            .find_map(|(id, _)| Some((*id, latest(*id)?.beyond(self.max_s)?)))?;
         let of = self.batteries.iter().filter(|of| first(of.id) == id);
         let then = of.map(|of| of.value).min();
         let then = then.map_or_else(String::new, |left| format!(" ({left} % left then)"));
@@ -210,7 +208,7 @@ impl HealthState {
 
     /// The same of its position estimate.
     pub(super) fn estimate_silence(&self) -> Option<String> {
-        let silent_s = self.estimate_age?.beyond(self.most_s)?;
+        let silent_s = self.estimate_age?.beyond(self.max_s)?;
         Some(format!(
             "no report of its position estimate for {silent_s:.0} s"
         ))
@@ -219,7 +217,7 @@ impl HealthState {
     /// And of its GPS.
     pub(super) fn gps_silence(&self) -> Option<String> {
         let (_, age) = self.fix?;
-        let silent_s = age.beyond(self.most_s)?;
+        let silent_s = age.beyond(self.max_s)?;
         Some(format!("no GPS report for {silent_s:.0} s"))
     }
 

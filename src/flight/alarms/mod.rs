@@ -35,7 +35,7 @@ use corridor::TubeWatch;
 use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
-use onboard::changes::Changes;
+use onboard::rate_limited::RateLimited;
 use skips::Skips;
 use standing::{Key, Standing};
 
@@ -123,8 +123,8 @@ struct Watched<'a> {
     /// How late its last position came, and since when all came too late, seconds.
     lag: Option<(f64, f64)>,
     /// The last alarm of its mode, and of its parameters.
-    mode_said: Changes,
-    settings_said: Changes,
+    mode_reports: RateLimited,
+    settings_reports: RateLimited,
     /// When it left the ground, seconds after T0, until its departure was looked at.
     up_s: Option<f64>,
     skips: Skips,
@@ -185,8 +185,8 @@ impl<'a> Alarms<'a> {
             returns: Vec::new(),
             silent_s: 0.0,
             lag: None,
-            mode_said: Changes::default(),
-            settings_said: Changes::default(),
+            mode_reports: RateLimited::default(),
+            settings_reports: RateLimited::default(),
             up_s: None,
             skips: Skips::default(),
         };

@@ -1,6 +1,6 @@
 //! What is on board, and in which mode: changed by whom.
 
-pub(super) mod changes;
+pub(super) mod rate_limited;
 mod return_targets;
 mod settings;
 

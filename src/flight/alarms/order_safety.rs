@@ -290,10 +290,10 @@ impl Alarms<'_> {
             return Some("has no elevation data".to_owned());
         };
         let agl_m = point.amsl.above_ground(ground).0;
-        let least_m = self.spec.area.min_agl.0;
-        if agl_m < least_m {
+        let min_m = self.spec.area.min_agl.0;
+        if agl_m < min_m {
             return Some(format!(
-                "is {agl_m:.0} m over the ground (at least {least_m:.0} m)"
+                "is {agl_m:.0} m over the ground (at least {min_m:.0} m)"
             ));
         }
         if !self.world.in_area(point.at) {
@@ -420,7 +420,7 @@ pub(in crate::flight) fn off_s(lasts_s: f64) -> f64 {
 }
 
 /// How near a path comes to a way of return at about the same times, metres.
-pub(in crate::flight) fn least_m(
+pub(in crate::flight) fn min_m(
     path: &[Segment],
     way: &[Segment],
     limit: &Separation,

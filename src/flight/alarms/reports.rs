@@ -19,9 +19,9 @@ impl Age {
         self.s += by_s;
     }
 
-    /// For how long no report has come, if that is more than `most_s`.
-    pub(super) fn beyond(self, most_s: f64) -> Option<f64> {
-        (self.s > most_s).then_some(self.s)
+    /// For how long no report has come, if that is more than `max_s`.
+    pub(super) fn beyond(self, max_s: f64) -> Option<f64> {
+        (self.s > max_s).then_some(self.s)
     }
 
     /// That of the later one.

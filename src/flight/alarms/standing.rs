@@ -47,12 +47,12 @@ impl Alarms<'_> {
         let [home, rally, lists] = others.map(|text| text.map(str::to_owned));
         let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
-        if of.mode_said.is_news(t_s, mode.as_deref()) {
+        if of.mode_reports.is_news(t_s, mode.as_deref()) {
             // Another mode is another alarm.
             self.standing.remove(&(AlarmKind::Mode, index, None, ""));
         }
         let settings = of.onboard.settings().filter(|_| flies).map(str::to_owned);
-        if of.settings_said.is_news(t_s, settings.as_deref()) {
+        if of.settings_reports.is_news(t_s, settings.as_deref()) {
             self.standing
                 .remove(&(AlarmKind::Mission, index, None, "parameters"));
         }
@@ -85,8 +85,12 @@ impl Alarms<'_> {
         }
         let of = &mut self.vehicles[index];
         let counted = [
-            (AlarmKind::Mode, "", of.mode_said.poll(t_s)),
-            (AlarmKind::Mission, "parameters", of.settings_said.poll(t_s)),
+            (AlarmKind::Mode, "", of.mode_reports.poll(t_s)),
+            (
+                AlarmKind::Mission,
+                "parameters",
+                of.settings_reports.poll(t_s),
+            ),
         ];
         for (kind, cause, text) in counted {
             if let Some(text) = text {

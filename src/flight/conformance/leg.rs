@@ -36,11 +36,11 @@ pub(crate) fn leg_at(
         return nearest.map(|leg| (leg.0, leg.1));
     };
     let stretch: Vec<_> = stretch.filter(|leg| leg.2).collect();
-    let least_m = stretch
+    let min_m = stretch
         .iter()
         .map(|leg| leg.1)
         .fold(f64::INFINITY, f64::min);
-    let on = stretch.into_iter().find(|leg| leg.1 <= least_m + ALIKE_M);
+    let on = stretch.into_iter().find(|leg| leg.1 <= min_m + ALIKE_M);
     on.map(|leg| (leg.0, leg.1))
 }
 

@@ -5,7 +5,7 @@ use geo::{Contains, Point};
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::{Fix, Record};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::numeric::approach::{Segment, closest_approach, closest_horizontal, least_ratio};
+use crate::numeric::approach::{Segment, closest_approach, closest_horizontal, min_ratio};
 use crate::numeric::geometry::point_segment_distance;
 use crate::spec::{Airframe, MissionSpec, Separation, Threat};
 use crate::verify::{Flown, Limit, Margin, Moment, Requirement, Sense};
@@ -37,7 +37,7 @@ fn is_gap(from: &Fix, to: &Fix) -> bool {
 
 /// Whether a zone is closed where and when a vehicle was.
 fn is_closed(zone: &PlanZone, world: &World, t_s: f64, point: PlanPoint) -> bool {
-    let ground = world.terrain.height(world.frame.from_plan(point.at));
+    let ground = world.terrain.height_at(&world.frame, point.at);
     let ground_m = ground.map_or(f64::NAN, |ground| ground.0);
     zone.is_closed_at(point, ground_m, t_s)
 }
@@ -324,7 +324,7 @@ pub(crate) fn separation(
             let near = match limit.vertical_m {
                 None => closest_approach(segment, other, 0.0),
                 Some(vertical_m) => {
-                    let least = least_ratio(segment, other, 0.0, limit.distance_m, vertical_m);
+                    let least = min_ratio(segment, other, 0.0, limit.distance_m, vertical_m);
                     conflict |= least.is_some_and(|least| least.value < 1.0);
                     closest_horizontal(segment, other, 0.0, vertical_m)
                 }

@@ -65,11 +65,11 @@ impl FlownTrack<'_> {
             ((distance_m - waypoint.radius_m).max(0.0), at)
         });
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
-        match nearest.filter(|(least_m, _)| away_m - least_m >= NEARER_M) {
-            Some((least_m, at)) => {
+        match nearest.filter(|(min_m, _)| away_m - min_m >= NEARER_M) {
+            Some((min_m, at)) => {
                 let flown_to = self.fixes()[at].item;
                 format!(
-                    "item {item} passed {away_m:.0} m away in its turn, and {least_m:.0} m away on the way to item {flown_to}"
+                    "item {item} passed {away_m:.0} m away in its turn, and {min_m:.0} m away on the way to item {flown_to}"
                 )
             }
             None => format!("item {item} passed {away_m:.0} m away"),

@@ -17,7 +17,7 @@ use super::session::end::End;
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::spec::{Action, Airframe, MissionSpec, Vehicle};
 use crate::verify::Margin;
-use crate::world::{Stations, World};
+use crate::world::{FixedPoints, World};
 use leg::leg_at;
 use limits::separation;
 use proof::CROSS_TRACK_M;
@@ -49,7 +49,7 @@ pub(super) struct FlownTrack<'a> {
     pub(super) airframe: Airframe,
     /// As the spec has it; none for a stranger.
     pub(super) vehicle: Option<&'a Vehicle>,
-    pub(super) stations: Option<Stations>,
+    pub(super) fixed_points: Option<FixedPoints>,
     pub(super) points: Vec<PlanPoint>,
 }
 
@@ -108,7 +108,7 @@ impl<'a> FlownTrack<'a> {
             ordered_down: flight.flown.fixes.len(),
             airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
             vehicle: this,
-            stations: index.and_then(|index| world.stations.get(index).cloned()),
+            fixed_points: index.and_then(|index| world.fixed_points.get(index).cloned()),
             points: flight.flown.fixes.iter().map(point).collect(),
         };
         track.risen = track.count_rising();
@@ -294,7 +294,7 @@ impl<'a> FlownTrack<'a> {
                 }
                 let distance_m = (distance_m - waypoint.radius_m).max(0.0);
                 let leaves = fixes[at].item > waypoint.item
-                    && best.is_some_and(|(least_m, ..)| distance_m > least_m + LEAVES_M);
+                    && best.is_some_and(|(min_m, ..)| distance_m > min_m + LEAVES_M);
                 if is_upright && leaves {
                     // Straight down or up to the next one, it may come past here once more.
                     break;
@@ -400,10 +400,10 @@ impl<'a> FlownTrack<'a> {
 
     /// How near it came to each of its stops, and when.
     fn stops(&self) -> Vec<MadeStop> {
-        let (Some(vehicle), Some(stations)) = (self.vehicle, &self.stations) else {
+        let (Some(vehicle), Some(fixed_points)) = (self.vehicle, &self.fixed_points) else {
             return Vec::new();
         };
-        let stops = vehicle.stops.iter().zip(&stations.stops);
+        let stops = vehicle.stops.iter().zip(&fixed_points.stops);
         let made = stops.filter_map(|(stop, &end)| {
             let point = stop.below(end);
             let pairs = self.points.windows(2).zip(self.fixes().windows(2));

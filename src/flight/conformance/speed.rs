@@ -86,7 +86,7 @@ impl FlownTrack<'_> {
     }
 
     /// From each position to the first that is so much later; the whole flight, if it is shorter.
-    fn stretches(&self, least_s: f64) -> Vec<Stretch<'_>> {
+    fn stretches(&self, min_s: f64) -> Vec<Stretch<'_>> {
         let fixes = self.fixes();
         let mut own_m = vec![0.0; fixes.len()];
         for index in 1..fixes.len() {
@@ -97,7 +97,7 @@ impl FlownTrack<'_> {
         let mut stretches = Vec::new();
         let mut to = 0;
         for from in 0..fixes.len() {
-            let is_short = |to: usize| fixes[to].t_s - fixes[from].t_s < least_s;
+            let is_short = |to: usize| fixes[to].t_s - fixes[from].t_s < min_s;
             while to + 1 < fixes.len() && is_short(to) {
                 to += 1;
             }

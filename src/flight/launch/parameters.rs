@@ -18,7 +18,7 @@ use crate::mission::VehicleMission;
 const REPEAT_MS: u64 = 400;
 const LONGEST_MS: u64 = 15_000;
 /// Requests before a parameter counts as unknown to the vehicle.
-const MOST: u8 = 6;
+const MAX: u8 = 6;
 
 /// Parameters that are requested ahead of the one that is awaited: over a slow link one after the other takes long.
 const AHEAD: usize = 8;
@@ -257,7 +257,7 @@ impl<'a> SettingsCheck<'a> {
         let other = other_name(assumed.name());
         let names = 1 + u8::from(other.is_some());
         let is_over = self.none_comes && assumed.is_optional();
-        if is_over || self.requested >= MOST * names {
+        if is_over || self.requested >= MAX * names {
             self.give_up(assumed);
             self.next(now);
             return self.poll(now, target);

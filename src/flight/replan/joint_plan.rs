@@ -20,7 +20,7 @@ use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, Order, Vehicle};
 use crate::verify::{self, Limit, Margin, Review};
-use crate::world::{Stations, World};
+use crate::world::{FixedPoints, World};
 
 /// Evaluations for each route: a new path must come soon.
 const EVALUATIONS: usize = 6000;
@@ -68,8 +68,8 @@ pub(super) fn replan(given: &mut Assessment<'_>, no_path: &mut NoPath) -> Replan
 fn attempt(given: &Assessment<'_>, has_buffers: bool, slack_s: Option<f64>) -> Replanned {
     let plan = |distance: f64| {
         let mut joint = JointPlan::of(given);
-        let least_s = &mut joint.spec.separation.time_slack_s;
-        *least_s = least_s.max(slack_s.unwrap_or(0.0));
+        let min_s = &mut joint.spec.separation.time_slack_s;
+        *min_s = min_s.max(slack_s.unwrap_or(0.0));
         let joint = if has_buffers {
             joint
         } else {
@@ -126,7 +126,7 @@ impl<'a> JointPlan<'a> {
             problems: Vec::new(),
             returns_met: Vec::new(),
         };
-        joint.world.stations.clear();
+        joint.world.fixed_points.clear();
         joint.world.tasks.clear();
         // An altitude AMSL is the same whatever home the autopilot has taken.
         joint.spec.mission.altitude = AltitudeReference::Amsl;
@@ -177,15 +177,15 @@ impl<'a> JointPlan<'a> {
         lands: bool,
         departure: Departure,
     ) {
-        let (vehicle, stations) = (self.vehicle(state), self.stations(state));
+        let (vehicle, fixed_points) = (self.vehicle(state), self.fixed_points(state));
         self.spec.vehicles.push(Vehicle {
             finish: if lands { Finish::Land } else { Finish::Loiter },
             stops: Vec::new(),
             order: Order::Fixed,
-            speed_mps: state.speed_now_mps(vehicle, stations),
+            speed_mps: state.speed_now_mps(vehicle, fixed_points),
             ..vehicle.clone()
         });
-        self.world.stations.push(Stations {
+        self.world.fixed_points.push(FixedPoints {
             departure,
             start: from,
             goal: to,
@@ -194,7 +194,7 @@ impl<'a> JointPlan<'a> {
             landing_rad: None,
             goal_ground: ground(&self.world, to),
             stops: Vec::new(),
-            ..stations.clone()
+            ..fixed_points.clone()
         });
     }
 
@@ -205,33 +205,33 @@ impl<'a> JointPlan<'a> {
         ends: (PlanPoint, PlanPoint),
         departure: Departure,
     ) {
-        let (vehicle, stations) = (self.vehicle(state), self.stations(state));
+        let (vehicle, fixed_points) = (self.vehicle(state), self.fixed_points(state));
         self.add(state, ends, state.lands, departure);
-        let ahead = state.stops_ahead(vehicle, stations);
+        let ahead = state.stops_ahead(vehicle, fixed_points);
         if let (Some(own), Some(at)) = (
             self.spec.vehicles.last_mut(),
-            self.world.stations.last_mut(),
+            self.world.fixed_points.last_mut(),
         ) {
             own.stops = ahead
                 .iter()
                 .map(|&stop| vehicle.stops[stop].clone())
                 .collect();
-            at.stops = ahead.iter().map(|&stop| stations.stops[stop]).collect();
-            if state.returns_from(vehicle, stations.goal) && vehicle.wing.is_none() {
+            at.stops = ahead.iter().map(|&stop| fixed_points.stops[stop]).collect();
+            if state.returns_from(vehicle, fixed_points.goal) && vehicle.wing.is_none() {
                 own.finish = Finish::Return;
-                (at.goal, at.goal_ground) = (stations.goal, stations.goal_ground);
+                (at.goal, at.goal_ground) = (fixed_points.goal, fixed_points.goal_ground);
             }
-            own.on_way = on_way_ahead(state, vehicle, stations);
+            own.on_way = on_way_ahead(state, vehicle, fixed_points);
         }
     }
 
-    fn stations(&self, state: &VehicleState) -> &'a Stations {
-        &self.given.plan.world.stations[state.vehicle]
+    fn fixed_points(&self, state: &VehicleState) -> &'a FixedPoints {
+        &self.given.plan.world.fixed_points[state.vehicle]
     }
 
     fn drop_last(&mut self) {
         self.spec.vehicles.pop();
-        self.world.stations.pop();
+        self.world.fixed_points.pop();
     }
 
     /// Commits the path and the items of the last vehicle that was added; `rows` are the rows on
@@ -258,7 +258,8 @@ impl<'a> JointPlan<'a> {
 
     /// The routes of the last vehicle that was added: its path from stop to stop.
     fn routes(&self, state: &VehicleState, path: &[PlanPoint]) -> Vec<Route> {
-        let (Some(own), Some(at)) = (self.spec.vehicles.last(), self.world.stations.last()) else {
+        let (Some(own), Some(at)) = (self.spec.vehicles.last(), self.world.fixed_points.last())
+        else {
             return Vec::new();
         };
         let mut pieces = Vec::new();
@@ -287,7 +288,7 @@ impl<'a> JointPlan<'a> {
     /// A path of the last vehicle that was added, timed from its departure.
     fn route(&self, state: &VehicleState, path: &[PlanPoint]) -> Route {
         let vehicle = self.vehicle(state);
-        let departure = self.world.stations.last().map(|of| of.departure);
+        let departure = self.world.fixed_points.last().map(|of| of.departure);
         let begin = match departure.unwrap_or_default() {
             Departure::Airborne {
                 at_s, speed_mps, ..
@@ -374,10 +375,10 @@ impl<'a> JointPlan<'a> {
             at_s: self.given.now_s,
         };
         self.add(state, (from, to), state.lands, departure);
-        let (vehicle, stations) = (self.vehicle(state), self.stations(state));
+        let (vehicle, fixed_points) = (self.vehicle(state), self.fixed_points(state));
         let index = self.spec.vehicles.len() - 1;
         if let Some(own) = self.spec.vehicles.last_mut() {
-            own.on_way = on_way_ahead(state, vehicle, stations);
+            own.on_way = on_way_ahead(state, vehicle, fixed_points);
             if vehicle.finish == Finish::Return {
                 // What is done at the goal stays as it is on board.
                 own.on_way.goal.clear();

@@ -13,7 +13,7 @@ use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
 use crate::spec::{Finish, Stop, Vehicle, Wing};
 use crate::verify::Track;
-use crate::world::{Departure, Stations};
+use crate::world::{Departure, FixedPoints};
 
 /// Lower above its home than this a vehicle stands on the ground, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -292,13 +292,13 @@ impl VehicleState {
 
     /// The stops of its own that are ahead, in the order in which it visits them, by their indices in
     /// the spec. One at which it rests already is none: it is not done twice.
-    pub(super) fn stops_ahead(&self, vehicle: &Vehicle, stations: &Stations) -> Vec<usize> {
+    pub(super) fn stops_ahead(&self, vehicle: &Vehicle, fixed_points: &FixedPoints) -> Vec<usize> {
         let at = |via: &Via| {
             let is_whole = |stop: &Stop| {
                 let is_one_item = stop.actions.is_empty() && stop.drop_m <= 0.0;
                 is_one_item || via.items.len() > 1
             };
-            let mut stops = vehicle.stops.iter().zip(&stations.stops);
+            let mut stops = vehicle.stops.iter().zip(&fixed_points.stops);
             stops.position(|(stop, point)| via.point.distance_m(*point) < GOAL_M && is_whole(stop))
         };
         self.vias.iter().filter_map(at).collect()
@@ -341,8 +341,8 @@ impl VehicleState {
     }
 
     /// The speed that it flies with now: that of the last stop behind it that has one, m/s.
-    pub(super) fn speed_now_mps(&self, vehicle: &Vehicle, stations: &Stations) -> f64 {
-        let ahead = self.stops_ahead(vehicle, stations);
+    pub(super) fn speed_now_mps(&self, vehicle: &Vehicle, fixed_points: &FixedPoints) -> f64 {
+        let ahead = self.stops_ahead(vehicle, fixed_points);
         let behind = vehicle.stops.iter().enumerate().rev();
         let mut behind = behind.filter(|(index, _)| !ahead.contains(index));
         let own_mps = behind.find_map(|(_, stop)| stop.speed_mps);
@@ -379,8 +379,8 @@ impl VehicleState {
 
 /// Where its planned path begins, and where it ends.
 fn start_and_goal(plan: &FlightPlan, vehicle: usize) -> Option<(PlanPoint, PlanPoint)> {
-    let station = plan.world.stations.get(vehicle)?;
-    Some((station.start, station.goal))
+    let fixed_points = plan.world.fixed_points.get(vehicle)?;
+    Some((fixed_points.start, fixed_points.goal))
 }
 
 /// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.

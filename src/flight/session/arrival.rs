@@ -101,7 +101,7 @@ pub(crate) fn circled_rad(reference: &Reference, fixes: &[Fix]) -> f64 {
     let on = &fixes[off.map_or(0, |off| off + 1)..];
     let mut orbit = Orbit::default();
     on.iter().for_each(|fix| orbit.take(at(fix)));
-    orbit.most_rad()
+    orbit.max_rad()
 }
 
 /// Whether the positions of a flight that shall not land end with a stay at the end of the plan.

@@ -20,7 +20,7 @@ const JUMPED: u8 = 3;
 pub(crate) struct Offset {
     /// Least differences of this window and of the one before it, and when this one began. Messages that waited
     /// while nobody read them come at once, in one window.
-    least_ms: [Option<f64>; 2],
+    min_ms: [Option<f64>; 2],
     began_ms: f64,
     /// The difference that was used last, and when an answer said what it is at least.
     used_ms: Option<f64>,
@@ -57,7 +57,7 @@ impl Offset {
             if self.off_count < JUMPED {
                 return None;
             }
-            (self.least_ms, self.began_ms) = ([None, None], arrived_ms);
+            (self.min_ms, self.began_ms) = ([None, None], arrived_ms);
             (self.used_ms, self.answered_ms) = (None, None);
             self.last_ms
                 .map(|(before_ms, at_ms)| (boot_ms - before_ms - (arrived_ms - at_ms)) / 1000.0)
@@ -97,17 +97,17 @@ impl Offset {
 
     fn take(&mut self, boot_ms: f64, arrived_ms: f64) -> f64 {
         if arrived_ms - self.began_ms >= WINDOW_MS {
-            (self.least_ms, self.began_ms) = ([None, self.least_ms[0]], arrived_ms);
+            (self.min_ms, self.began_ms) = ([None, self.min_ms[0]], arrived_ms);
         }
         let found = arrived_ms - boot_ms;
-        let least = self.least_ms[0].map_or(found, |least| least.min(found));
-        self.least_ms[0] = Some(least);
+        let least = self.min_ms[0].map_or(found, |least| least.min(found));
+        self.min_ms[0] = Some(least);
         let is_answered = self
             .answered_ms
             .is_some_and(|at_ms| arrived_ms - at_ms < WINDOW_MS);
         let used = match self.used_ms.filter(|_| is_answered) {
             Some(used) => used.min(found),
-            None => self.least_ms[1].map_or(least, |before| before.min(least)),
+            None => self.min_ms[1].map_or(least, |before| before.min(least)),
         };
         self.used_ms = Some(used);
         boot_ms + used

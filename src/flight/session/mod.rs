@@ -372,7 +372,7 @@ impl<'a> Fleet<'a> {
                 let (vehicle, text) = (None, text.clone());
                 self.events.push_back(Event::new(t_s, vehicle, text));
             }
-            while let Some(text) = vehicle.poll_said() {
+            while let Some(text) = vehicle.poll_news() {
                 let vehicle = Some(vehicle.of.vehicle.to_owned());
                 self.events.push_back(Event::new(t_s, vehicle, text));
             }

@@ -23,11 +23,11 @@ impl Orbit {
     /// Takes in where it is, and returns whether it has turned once around.
     pub(crate) fn is_whole_with(&mut self, at: EastNorth) -> bool {
         self.take(at);
-        self.most_rad() >= TAU
+        self.max_rad() >= TAU
     }
 
     /// The most that it has turned from one place to another, radians.
-    pub(crate) fn most_rad(&self) -> f64 {
+    pub(crate) fn max_rad(&self) -> f64 {
         self.span_rad.1 - self.span_rad.0
     }
 
@@ -41,11 +41,8 @@ impl Orbit {
             let course_rad = heading_rad(before, at);
             if let Some(last_rad) = self.course_rad {
                 self.turned_rad += (course_rad - last_rad + PI).rem_euclid(TAU) - PI;
-                let (least_rad, most_rad) = self.span_rad;
-                self.span_rad = (
-                    least_rad.min(self.turned_rad),
-                    most_rad.max(self.turned_rad),
-                );
+                let (min_rad, max_rad) = self.span_rad;
+                self.span_rad = (min_rad.min(self.turned_rad), max_rad.max(self.turned_rad));
             }
             (self.at, self.course_rad) = (Some(at), Some(course_rad));
         }

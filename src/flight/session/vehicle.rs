@@ -214,7 +214,7 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) stay: Stay,
     pub(crate) flown: Flown,
     outbox: VecDeque<Message>,
-    said: VecDeque<String>,
+    news: VecDeque<String>,
     /// The number of its last picture.
     pictures: Option<u32>,
     /// What it was seen to do of its itinerary.
@@ -306,7 +306,7 @@ impl<'a> FlightVehicle<'a> {
             stay: Stay::default(),
             flown: Flown::default(),
             outbox: VecDeque::new(),
-            said: VecDeque::new(),
+            news: VecDeque::new(),
             pictures: None,
             progress,
             set_params,
@@ -348,7 +348,7 @@ impl<'a> FlightVehicle<'a> {
         self.work(now);
         self.order_motors();
         let counted = self.texts.poll(now);
-        self.said.extend(counted);
+        self.news.extend(counted);
         if let Some((address, _)) = self.vehicle {
             self.request(now, address, interval_us);
             self.request_settings(now, address);
@@ -384,7 +384,7 @@ impl<'a> FlightVehicle<'a> {
 
     pub(crate) fn end(&mut self, end: End) {
         self.say_what_was_dropped();
-        self.said.push_back(end.sentence());
+        self.news.push_back(end.sentence());
         self.flown.end = end;
         self.stage = Stage::Ended;
     }
@@ -393,8 +393,8 @@ impl<'a> FlightVehicle<'a> {
         self.outbox.pop_front()
     }
 
-    pub(crate) fn poll_said(&mut self) -> Option<String> {
-        let said = self.said.pop_front();
-        said.or_else(|| self.progress.poll_news())
+    pub(crate) fn poll_news(&mut self) -> Option<String> {
+        let news = self.news.pop_front();
+        news.or_else(|| self.progress.poll_news())
     }
 }

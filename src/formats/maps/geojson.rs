@@ -36,25 +36,25 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
     for zone in &spec.no_fly {
         features.push(feature(polygon(ring(zone.outline())), &heights(zone)));
     }
-    for (vehicle, stations) in spec.vehicles.iter().zip(&world.stations) {
-        for (kind, station) in [
-            ("home", stations.home),
-            ("start", stations.start),
-            ("goal", stations.goal),
+    for (vehicle, fixed_points) in spec.vehicles.iter().zip(&world.fixed_points) {
+        for (kind, fixed_points) in [
+            ("home", fixed_points.home),
+            ("start", fixed_points.start),
+            ("goal", fixed_points.goal),
         ] {
-            let coordinates = position(MapPoint::of(world, station));
+            let coordinates = position(MapPoint::of(world, fixed_points));
             features.push(feature(
                 GeometryValue::Point { coordinates },
-                &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(station) }),
+                &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(fixed_points) }),
             ));
         }
     }
-    for (vehicle, stations) in spec.vehicles.iter().zip(&world.stations) {
-        for (stop, station) in vehicle.stops.iter().zip(&stations.stops) {
-            let coordinates = position(MapPoint::of(world, *station));
+    for (vehicle, fixed_points) in spec.vehicles.iter().zip(&world.fixed_points) {
+        for (stop, fixed_points) in vehicle.stops.iter().zip(&fixed_points.stops) {
+            let coordinates = position(MapPoint::of(world, *fixed_points));
             let mut properties = json!({
                 "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
-                "amsl_m": metres(*station), "hold_s": stop.hold_s,
+                "amsl_m": metres(*fixed_points), "hold_s": stop.hold_s,
             });
             if !stop.actions.is_empty() {
                 let actions = stop.actions.iter().map(StopAction::key);

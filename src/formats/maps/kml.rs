@@ -38,22 +38,24 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         kml.polygon(&zone.id, "zone", &ring(zone.outline()), Some(top));
     }
     kml.close("Folder");
-    for (index, (vehicle, stations)) in spec.vehicles.iter().zip(&world.stations).enumerate() {
+    for (index, (vehicle, fixed_points)) in
+        spec.vehicles.iter().zip(&world.fixed_points).enumerate()
+    {
         kml.open("Folder");
         kml.leaf("name", &vehicle.id);
         for (_, path) in paths.iter().filter(|(id, _)| *id == vehicle.id) {
             kml.path(&vehicle.id, index % COLOURS.len(), world, path);
         }
-        for (name, station) in [
-            ("home", stations.home),
-            ("start", stations.start),
-            ("goal", stations.goal),
+        for (name, fixed_points) in [
+            ("home", fixed_points.home),
+            ("start", fixed_points.start),
+            ("goal", fixed_points.goal),
         ] {
-            let point = MapPoint::of(world, station);
+            let point = MapPoint::of(world, fixed_points);
             kml.placemark(&format!("{} {name}", vehicle.id), point);
         }
-        for (stop, station) in vehicle.stops.iter().zip(&stations.stops) {
-            let point = MapPoint::of(world, *station);
+        for (stop, fixed_points) in vehicle.stops.iter().zip(&fixed_points.stops) {
+            let point = MapPoint::of(world, *fixed_points);
             let actions: Vec<&str> = stop.actions.iter().map(StopAction::key).collect();
             let done = match actions.is_empty() {
                 true => String::new(),

@@ -5,7 +5,7 @@ mod peers;
 pub(super) mod radio;
 mod sequences;
 mod serial;
+mod shared_id;
 mod socket;
 mod tcp;
 pub(super) mod tlog;
-mod twins;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::net::SocketAddr;
 
 use super::sequences::Sequences;
-use super::twins::Twins;
+use super::shared_id::SharedId;
 use crate::link::codec::{Decoder, Frame};
 use crate::link::message::Message;
 use crate::link::message::flight::FlightMessage;
@@ -24,7 +24,7 @@ pub(crate) struct Peers {
     decoders: BTreeMap<SocketAddr, Peer>,
     routes: BTreeMap<u8, Route>,
     /// The positions and the numbers of the frames of each system, of the component that sent the first position.
-    positions: BTreeMap<u8, (u8, Twins, Sequences)>,
+    positions: BTreeMap<u8, (u8, SharedId, Sequences)>,
     receptions: u64,
 }
 
@@ -73,15 +73,15 @@ impl Peers {
             _ => None,
         };
         if position.is_some() {
-            let first = || (from.component, Twins::default(), Sequences::default());
+            let first = || (from.component, SharedId::default(), Sequences::default());
             self.positions.entry(from.system).or_insert_with(first);
         }
         // Numbers of who sends no positions do not matter.
         let known = self.positions.get_mut(&from.system);
-        let Some((_, twins, sequences)) = known.filter(|of| of.0 == from.component) else {
+        let Some((_, shared_id, sequences)) = known.filter(|of| of.0 == from.component) else {
             return false;
         };
-        let are_apart = position.is_some_and(|position| twins.take(position));
+        let are_apart = position.is_some_and(|position| shared_id.take(position));
         sequences.take(frame.number, position) || are_apart
     }
 

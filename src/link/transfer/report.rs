@@ -157,7 +157,7 @@ pub enum Failure {
         text: String,
     },
     /// The vehicle holds something else.
-    #[error("{list}: the vehicle holds something else than was sent (differences: {count}){}", said(*.complaint))]
+    #[error("{list}: the vehicle holds something else than was sent (differences: {count}){}", complaint_text(*.complaint))]
     Different {
         /// Which.
         list: List,
@@ -294,7 +294,7 @@ fn way_out(list: List, error: &UploadError) -> &'static str {
     }
 }
 
-fn said(complaint: Option<MissionResult>) -> String {
+fn complaint_text(complaint: Option<MissionResult>) -> String {
     complaint.map_or(String::new(), |result| {
         format!("; it answered {result} meanwhile")
     })

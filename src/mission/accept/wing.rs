@@ -77,7 +77,7 @@ pub(crate) fn stopping_distance(
         .param("TECS_LAND_ARSPD")
         .filter(|speed_mps| *speed_mps > 0.0);
     let speed_mps = landing_mps.or_else(|| mission.param_or_default_si("AIRSPEED_CRUISE"))?;
-    let least_m = SHARE * speed_mps * speed_mps / (2.0 * decel_mps2);
+    let min_m = SHARE * speed_mps * speed_mps / (2.0 * decel_mps2);
     let lands = |item: &Item| {
         let landings = [
             command::NAV_VTOL_LAND,
@@ -92,10 +92,10 @@ pub(crate) fn stopping_distance(
             return None;
         }
         let away_m = pair[0].place()?.chord_m(pair[1].place()?);
-        (away_m < least_m).then(|| {
+        (away_m < min_m).then(|| {
             let found = format!("a landing {away_m:.1} m behind the waypoint before it");
             let allowed = format!(
-                "at least {least_m:.1} m, to slow down from {speed_mps} m/s with {} {decel_mps2}: ArduPlane is not armed otherwise",
+                "at least {min_m:.1} m, to slow down from {speed_mps} m/s with {} {decel_mps2}: ArduPlane is not armed otherwise",
                 decel.name
             );
             (row, (found, allowed))

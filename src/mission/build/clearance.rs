@@ -4,7 +4,7 @@
 //! would break the limit.
 
 use crate::geodesy::PlanPoint;
-use crate::numeric::geometry::{Point, Ring};
+use crate::numeric::geometry::{Point, Ring, box_misses, edge_distance};
 use crate::path::TimedPoint;
 use crate::world::{Layer, PlanZone, Terrain, World};
 
@@ -13,14 +13,15 @@ const SHARE: f64 = 0.9;
 /// The same of the height above ground, which legs aside of the path lose on a slope as well.
 const GROUND_SHARE: f64 = 0.75;
 /// Nearer than this part of the tolerance is not asked for.
-const MOST: f64 = 50.0;
+const MAX: f64 = 50.0;
 
 /// The limits near a route.
 struct Limits<'a> {
     world: &'a World,
     layer: Layer,
     zones: Vec<(&'a PlanZone, Ring)>,
-    area: Ring,
+    /// Edges of the area.
+    area: Vec<(Point, Point)>,
 }
 
 /// How many times closer than a tolerance legs must stay to each point of a route, so that they
@@ -34,7 +35,7 @@ pub(super) fn strictness(
     let limits = Limits::near((world, layer), route, reach_m);
     let strictness = |timed: &TimedPoint| {
         let clear_m = limits.clearance_m(timed.point, reach_m);
-        (tolerance_m / (SHARE * clear_m.max(1e-9))).clamp(1.0, MOST)
+        (tolerance_m / (SHARE * clear_m.max(1e-9))).clamp(1.0, MAX)
     };
     route.iter().map(strictness).collect()
 }
@@ -55,7 +56,9 @@ impl<'a> Limits<'a> {
             zones: (world.zones.iter().filter(is_near))
                 .map(with_ring)
                 .collect(),
-            area: Ring::around(&world.area),
+            area: (Ring::around(&world.area).edges())
+                .filter(|edge| !box_misses((low, high), *edge))
+                .collect(),
             world,
             layer,
         }
@@ -65,7 +68,7 @@ impl<'a> Limits<'a> {
     fn clearance_m(&self, point: PlanPoint, reach_m: f64) -> f64 {
         let (at, amsl_m) = (plane(point), point.amsl.0);
         let world = self.world;
-        let source = world.terrain.height(world.frame.from_plan(point.at));
+        let source = world.terrain.height_at(&world.frame, point.at);
         let ground_m = source.map_or(f64::NAN, |ground| ground.0);
         let floor_m = self.layer.floor_m(ground_m + world.min_agl.0);
         let roof_m = self.layer.ceiling_m(ground_m, world.max_amsl.0);
@@ -90,7 +93,9 @@ impl<'a> Limits<'a> {
             };
             clear_m = clear_m.min(aside_m.max(amsl_m - below_m).max(from_m - amsl_m));
         }
-        clear_m.min(self.area.boundary_distance(at)).max(0.0)
+        clear_m
+            .min(edge_distance(at, self.area.iter().copied()))
+            .max(0.0)
     }
 }
 
@@ -136,7 +141,7 @@ mod tests {
         ];
         let near = |clear_m: f64| TOLERANCE_M / clear_m;
         let aside = near(SHARE * 2.0);
-        let over = [near(GROUND_SHARE * 2.0), near(GROUND_SHARE), MOST];
+        let over = [near(GROUND_SHARE * 2.0), near(GROUND_SHARE), MAX];
         let expected = [1.0, aside, over[0], over[1], over[2]];
         let over_flat = [1.0, aside, 1.0, aside, aside];
         for (world, expected) in [(&world, expected), (&flat, over_flat)] {

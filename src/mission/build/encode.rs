@@ -84,7 +84,7 @@ impl<'a> Encoder<'a> {
         /// Share of the height over a zone that legs may take: the rest is for rounding.
         const SHARE: f64 = 0.9;
         /// Nearer than this part of the tolerance is not asked for.
-        const MOST: f64 = 20.0;
+        const MAX: f64 = 20.0;
         let zones = self
             .world
             .zones
@@ -101,11 +101,11 @@ impl<'a> Encoder<'a> {
                 let at = [at.east_m, at.north_m];
                 (is_near && !wider.is_far_from(at, at) && wider.contains(at)).then_some(over_m)
             };
-            let least_m = wider
+            let min_m = wider
                 .iter()
                 .filter_map(over_m)
                 .fold(tolerance_m / SHARE, f64::min);
-            (tolerance_m / (SHARE * least_m)).clamp(1.0, MOST)
+            (tolerance_m / (SHARE * min_m)).clamp(1.0, MAX)
         };
         route.iter().map(strictness).collect()
     }
@@ -182,9 +182,7 @@ impl<'a> Encoder<'a> {
     }
 
     pub(crate) fn ground(&self, point: PlanPoint) -> Result<Amsl, NoData> {
-        self.world
-            .terrain
-            .height(self.world.frame.from_plan(point.at))
+        self.world.terrain.height_at(&self.world.frame, point.at)
     }
 }
 

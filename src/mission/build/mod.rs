@@ -15,7 +15,7 @@ use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
 use crate::path::{TimedPoint, VehicleLimits, route_ends};
 use crate::spec::{AltitudeReference, Autopilot, Finish, MissionSpec, Vehicle};
-use crate::world::{Departure, Layer, NoData, Stations, World};
+use crate::world::{Departure, FixedPoints, Layer, NoData, World};
 use clearance::strictness;
 use encode::{ENCODING_M, Encoder};
 use legs::{Keep, Point};
@@ -103,8 +103,13 @@ pub fn build(
     vehicle: usize,
     routes: &[Vec<TimedPoint>],
 ) -> Result<VehicleMission, MissionError> {
-    let known = spec.vehicles.get(vehicle).zip(world.stations.get(vehicle));
-    let needed = known.map_or(1, |(vehicle, stations)| route_ends(vehicle, stations).len());
+    let known = spec
+        .vehicles
+        .get(vehicle)
+        .zip(world.fixed_points.get(vehicle));
+    let needed = known.map_or(1, |(vehicle, fixed_points)| {
+        route_ends(vehicle, fixed_points).len()
+    });
     build_course(spec, world, vehicle, routes, needed)
 }
 
@@ -123,11 +128,11 @@ pub fn build_course(
         index: vehicle,
         fleet: spec.vehicles.len(),
     };
-    let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
+    let fixed_points = world.fixed_points.get(vehicle).ok_or_else(no_such)?;
     let layer = world.layers.get(vehicle).copied().unwrap_or(Layer::OPEN);
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
-    let (reference, ground) = (spec.mission.altitude, stations.home.amsl);
+    let (reference, ground) = (spec.mission.altitude, fixed_points.home.amsl);
     let encoder = Encoder::new(world, reference, vehicle.home, ground);
     let writer = ItemWriter {
         spec,
@@ -140,14 +145,14 @@ pub fn build_course(
         source,
     };
     let items = if vehicle.airframe.has_wing() {
-        writer.winged_items(stations, routes)
+        writer.winged_items(fixed_points, routes)
     } else {
-        writer.items(stations, routes)
+        writer.items(fixed_points, routes)
     };
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
     let (fence, mut notes) = fenced(spec, vehicle, &items);
-    notes.extend(wing::landing_course_note(vehicle, stations));
+    notes.extend(wing::landing_course_note(vehicle, fixed_points));
     let params = parameters(
         vehicle,
         &spec.mission,
@@ -258,7 +263,11 @@ pub(super) struct ItemWriter<'a> {
 }
 
 impl ItemWriter<'_> {
-    fn items(&self, stations: &Stations, routes: &[Vec<TimedPoint>]) -> Result<Vec<Item>, NoData> {
+    fn items(
+        &self,
+        fixed_points: &FixedPoints,
+        routes: &[Vec<TimedPoint>],
+    ) -> Result<Vec<Item>, NoData> {
         let mut legs = routes
             .iter()
             .enumerate()
@@ -269,8 +278,8 @@ impl ItemWriter<'_> {
         let Some((&start, onward)) = out.split_first() else {
             return Ok(self.departure());
         };
-        let mut items = match stations.departure {
-            Departure::Ground => self.takeoff(stations.home, start)?,
+        let mut items = match fixed_points.departure {
+            Departure::Ground => self.takeoff(fixed_points.home, start)?,
             Departure::Airborne { .. } => self.speed().into_iter().collect(),
         };
         items.extend(self.vehicle.on_way.trigger_m.map(stops::trigger));
@@ -310,7 +319,7 @@ impl ItemWriter<'_> {
         items.push(match self.vehicle.finish {
             Finish::Land => self.at(command::NAV_LAND, 0.0, self.encoder.on_ground(last)?)?,
             Finish::Loiter => self.at(command::NAV_LOITER_UNLIM, 0.0, last)?,
-            Finish::Return => self.at(command::NAV_LAND, 0.0, stations.home)?,
+            Finish::Return => self.at(command::NAV_LAND, 0.0, fixed_points.home)?,
         });
         Ok(items)
     }

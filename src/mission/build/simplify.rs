@@ -233,7 +233,7 @@ mod tests {
     }
 
     /// The most that a leg as encoded rises beyond a slope, metres.
-    fn most_over_m(points: &[Point], slope: f64) -> f64 {
+    fn max_over_m(points: &[Point], slope: f64) -> f64 {
         let encoded_m = |point: &Point| f64::from(quarter_up(point.z));
         points
             .windows(2)
@@ -262,7 +262,7 @@ mod tests {
                 .map(|index| path[index])
                 .collect();
             assert!(min_gap_m(&chosen) >= -1e-6);
-            let over_m = most_over_m(&chosen, 15_f64.to_radians().tan());
+            let over_m = max_over_m(&chosen, 15_f64.to_radians().tan());
             assert!(over_m < 0.02, "{slope}: {over_m} m");
         }
     }

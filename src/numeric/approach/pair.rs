@@ -126,7 +126,7 @@ impl Pair {
     }
 
     /// Least difference of heights over the region, metres.
-    pub(super) fn least_height(&self) -> f64 {
+    pub(super) fn min_height(&self) -> f64 {
         let heights = self.region.corners().iter().map(|&at| self.gap.up(at));
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), up| {
             (low.min(up), high.max(up))

@@ -74,7 +74,7 @@ impl FreeSpace {
     }
 
     /// At most the length of any path from the root through the interval to `goal`.
-    pub(super) fn least_m(&self, interval: &Interval, goal: Point) -> f64 {
+    pub(super) fn min_m(&self, interval: &Interval, goal: Point) -> f64 {
         let corners = self.triangles[interval.triangle];
         let (a, b) = (corners[interval.side], corners[(interval.side + 1) % 3]);
         let root = self.nodes[interval.root];

@@ -31,7 +31,7 @@ enum Step {
 /// Something to look at: at least so long is any path through it.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    least_m: f64,
+    min_m: f64,
     /// Order of the discovery, so that ties do not depend on the heap.
     rank: usize,
     /// The corner, and the length of the path up to it.
@@ -57,7 +57,7 @@ impl PartialOrd for Entry {
 impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
         // The heap pops the greatest.
-        let shorter = other.least_m.total_cmp(&self.least_m);
+        let shorter = other.min_m.total_cmp(&self.min_m);
         shorter.then(other.rank.cmp(&self.rank))
     }
 }
@@ -131,7 +131,7 @@ impl Search<'_> {
             let is_found = matches!(entry.step, Step::Corner) && entry.root == self.goal;
             if is_found || steps >= most {
                 return Some(Shortest {
-                    length_m: entry.least_m,
+                    length_m: entry.min_m,
                     corners: if is_found { self.corners() } else { Vec::new() },
                 });
             }
@@ -151,11 +151,11 @@ impl Search<'_> {
         self.space.nodes[node]
     }
 
-    fn push(&mut self, least_m: f64, root: usize, to_root_m: f64, step: Step) {
+    fn push(&mut self, min_m: f64, root: usize, to_root_m: f64, step: Step) {
         self.rank += 1;
         let rank = self.rank;
         self.heap.push(Entry {
-            least_m,
+            min_m,
             rank,
             root,
             to_root_m,
@@ -176,8 +176,8 @@ impl Search<'_> {
     }
 
     fn expect(&mut self, interval: Interval, to_root_m: f64) {
-        let least_m = to_root_m + self.space.least_m(&interval, self.at(self.goal));
-        self.push(least_m, interval.root, to_root_m, Step::Edge(interval));
+        let min_m = to_root_m + self.space.min_m(&interval, self.at(self.goal));
+        self.push(min_m, interval.root, to_root_m, Step::Edge(interval));
     }
 
     /// A corner that is seen from a root.
@@ -187,8 +187,8 @@ impl Search<'_> {
         if is_useful && to_node_m < self.to_m[node] {
             self.to_m[node] = to_node_m;
             self.before[node] = root;
-            let least_m = to_node_m + distance(self.at(node), self.at(self.goal));
-            self.push(least_m, node, to_node_m, Step::Corner);
+            let min_m = to_node_m + distance(self.at(node), self.at(self.goal));
+            self.push(min_m, node, to_node_m, Step::Corner);
         }
     }
 

@@ -88,17 +88,7 @@ impl Ring {
     /// Distance between a point and the boundary.
     #[must_use]
     pub fn boundary_distance(&self, point: Point) -> f64 {
-        /// Squares are rounded otherwise than distances: those so near to the least are compared as these.
-        const ROUNDED: f64 = 1.0 + 1e-9;
-        let (mut least, mut most_square) = (f64::INFINITY, f64::INFINITY);
-        for edge in self.edges() {
-            let [x, y] = from_segment(point, edge);
-            if x * x + y * y <= most_square {
-                least = x.hypot(y).min(least);
-                most_square = ROUNDED * least * least;
-            }
-        }
-        least
+        edge_distance(point, self.edges())
     }
 
     /// How much of the segment from `a` to `b` lies inside, counting only its
@@ -239,4 +229,20 @@ impl Ring {
         }
         ring
     }
+}
+
+/// Distance between a point and the nearest of some edges; infinite of none.
+#[must_use]
+pub fn edge_distance(point: Point, edges: impl Iterator<Item = (Point, Point)>) -> f64 {
+    /// Squares are rounded otherwise than distances: those so near to the least are compared as these.
+    const ROUNDED: f64 = 1.0 + 1e-9;
+    let (mut least, mut max_square) = (f64::INFINITY, f64::INFINITY);
+    for edge in edges {
+        let [x, y] = from_segment(point, edge);
+        if x * x + y * y <= max_square {
+            least = x.hypot(y).min(least);
+            max_square = ROUNDED * least * least;
+        }
+    }
+    least
 }

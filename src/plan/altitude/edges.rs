@@ -37,11 +37,11 @@ impl FloorMaker<'_> {
                     if !is_in && inside.contains(&true) {
                         continue;
                     }
-                    let most_m = (self.layer).ceiling_m(ground_m[sample], self.world.max_amsl.0);
-                    let lid_m = zone.lid_m(floor_m[sample], ground_m[sample], most_m);
+                    let max_m = (self.layer).ceiling_m(ground_m[sample], self.world.max_amsl.0);
+                    let lid_m = zone.lid_m(floor_m[sample], ground_m[sample], max_m);
                     let more_m = if is_in { share * rise_m } else { 0.0 };
                     if let Some(lid_m) = lid_m {
-                        floor_m[sample] = floor_m[sample].max((lid_m + more_m).min(most_m));
+                        floor_m[sample] = floor_m[sample].max((lid_m + more_m).min(max_m));
                     }
                 }
             }

@@ -184,10 +184,10 @@ impl<'a> FloorMaker<'a> {
             *length_m = (run_e * run_e + run_n * run_n).sqrt();
         }
         let (climb, descent) = self.slopes.at(Amsl(highest_m));
-        for (slope, most_m) in [(climb, &mut demand.up_m), (descent, &mut demand.down_m)] {
-            most_m.resize(last, 0.0);
-            for (most_m, length_m) in most_m.iter_mut().zip(&*lengths_m) {
-                *most_m = slope * length_m;
+        for (slope, max_m) in [(climb, &mut demand.up_m), (descent, &mut demand.down_m)] {
+            max_m.resize(last, 0.0);
+            for (max_m, length_m) in max_m.iter_mut().zip(&*lengths_m) {
+                *max_m = slope * length_m;
             }
         }
         if self.at_edges {
@@ -226,14 +226,14 @@ impl<'a> FloorMaker<'a> {
     /// The floor of the ground alone, with what is kept over it.
     #[inline(always)]
     fn over_ground(&self, ends_m: (f64, f64), demand: &mut Demand) {
-        let least_m = self.world.min_agl.0;
+        let min_m = self.world.min_agl.0;
         let Demand {
             floor_m, ground_m, ..
         } = demand;
         let last = ground_m.len() - 1;
         floor_m.resize(last + 1, 0.0);
         for (floor_m, ground_m) in floor_m.iter_mut().zip(&*ground_m) {
-            *floor_m = ground_m + least_m;
+            *floor_m = ground_m + min_m;
         }
         if self.layer.min_amsl_m.is_finite() {
             for floor_m in &mut *floor_m {
@@ -258,15 +258,15 @@ impl<'a> FloorMaker<'a> {
     /// The ceiling over the ground, less what is kept below it; none where no height is limited.
     fn under_ceiling(&self, ends_m: (f64, f64), demand: &mut Demand) {
         demand.ceiling_m.clear();
-        let most_m = self.layer.max_agl_m;
-        if most_m.is_infinite() {
+        let max_m = self.layer.max_agl_m;
+        if max_m.is_infinite() {
             return;
         }
         let ground_m = &demand.ground_m;
         let last = ground_m.len() - 1;
         let spare_m = |at: usize, end_m: f64| {
             // Over unknown ground there is nothing to spare.
-            (ground_m[at] + most_m - end_m).clamp(0.0, self.under_m.max(0.0))
+            (ground_m[at] + max_m - end_m).clamp(0.0, self.under_m.max(0.0))
         };
         let (from_m, to_m) = (spare_m(0, ends_m.0), spare_m(last, ends_m.1));
         let ramp = |end_m: f64, samples: usize| ramp((end_m, self.under_m), samples, last);
@@ -320,19 +320,19 @@ impl LowZone<'_> {
     }
 
     /// A floor in the zone, raised to its top; left alone where it is below the zone, and where the
-    /// zone reaches up to the ceiling at `most_m`.
-    fn raised(&self, floor_m: f64, ground_m: f64, most_m: f64) -> f64 {
-        match self.lid_m(floor_m, ground_m, most_m) {
+    /// zone reaches up to the ceiling at `max_m`.
+    fn raised(&self, floor_m: f64, ground_m: f64, max_m: f64) -> f64 {
+        match self.lid_m(floor_m, ground_m, max_m) {
             Some(lid_m) => floor_m.max(lid_m),
             None => floor_m,
         }
     }
 
     /// What a path at a floor has to be above in the zone.
-    pub(super) fn lid_m(&self, floor_m: f64, ground_m: f64, most_m: f64) -> Option<f64> {
+    pub(super) fn lid_m(&self, floor_m: f64, ground_m: f64, max_m: f64) -> Option<f64> {
         let (from_m, below_m) = self.zone.closed_m(ground_m);
         let top_m = below_m + self.over_m;
-        (floor_m > from_m - self.under_m && top_m <= most_m).then_some(top_m)
+        (floor_m > from_m - self.under_m && top_m <= max_m).then_some(top_m)
     }
 }
 

@@ -312,10 +312,10 @@ impl Limits {
             let ceiling_m = demand.ceiling_m.get(k).copied().unwrap_or(f64::INFINITY);
             ceiling_m.min(roof_m[k]).max(amsl_m + WIDER_M)
         };
-        let rises = |most_m: &[f64], sign: f64| {
-            let rises = path.rise_m.iter().zip(most_m);
-            let widened = |(rise_m, most_m): (&f64, &f64)| {
-                (most_m * (1.0 + STEEPER)).max(sign * rise_m + RISE_M)
+        let rises = |max_m: &[f64], sign: f64| {
+            let rises = path.rise_m.iter().zip(max_m);
+            let widened = |(rise_m, max_m): (&f64, &f64)| {
+                (max_m * (1.0 + STEEPER)).max(sign * rise_m + RISE_M)
             };
             rises.map(widened).collect()
         };

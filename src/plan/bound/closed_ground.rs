@@ -143,11 +143,11 @@ fn analytic(world: &World, hills: &[Hill]) -> Vec<Vec<Point>> {
     let values: Vec<f64> = (0..ground.heights_m.len())
         .map(|node| {
             let value = over_m(node);
-            let most_m = bends.block_m(node);
+            let max_m = bends.block_m(node);
             // Every node of a cell that the rim may cross.
             let is_near = bends.around(node).any(|other| {
                 let other_m = over_m(other);
-                other_m.abs() <= most_m || (other_m > 0.0) != (value > 0.0)
+                other_m.abs() <= max_m || (other_m > 0.0) != (value > 0.0)
             });
             value - ROUNDING_M - if is_near { bends.node_m(node) } else { 0.0 }
         })

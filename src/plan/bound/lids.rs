@@ -11,7 +11,7 @@ use crate::spec::{MissionSpec, Placement};
 use crate::world::World;
 
 /// Most zones that are looked at, those that cost most.
-const MOST: usize = 6;
+const MAX: usize = 6;
 /// Distances from a zone within which the ground is taken to be as high as its highest point,
 /// metres: each proves something, and the best counts.
 const REACHES_M: [f64; 4] = [100.0, 300.0, 900.0, 2700.0];
@@ -43,8 +43,8 @@ impl Climbs {
         // The speed may be chosen lower, so that limits by vertical speed prove nothing.
         let most = |(climb, descent): (f64, f64), limits: VehicleLimits| {
             (
-                climb.max(limits.climb.most_by_shape(top_m)),
-                descent.max(limits.descent.most_by_shape(top_m)),
+                climb.max(limits.climb.max_by_shape(top_m)),
+                descent.max(limits.descent.max_by_shape(top_m)),
             )
         };
         let fleet = spec.vehicles.iter().map(VehicleLimits::of);
@@ -67,7 +67,7 @@ impl Climbs {
         let (before_m, behind_m) = (away_m(from), away_m(to));
         // The objective reads altitudes at samples: what lies between the last two of a reach is
         // not counted.
-        let least_m = MIN_REACH * from.at.distance_m(to.at);
+        let min_m = MIN_REACH * from.at.distance_m(to.at);
         let of_reach = |&(reach_m, height_m): &(f64, f64)| {
             // The height falls along the path at the slope, down to where nothing is known.
             let side = |slope: f64, way_m: f64| {
@@ -80,7 +80,7 @@ impl Climbs {
         let reaches = lid
             .heights_m
             .iter()
-            .filter(|(reach_m, _)| *reach_m >= least_m);
+            .filter(|(reach_m, _)| *reach_m >= min_m);
         let most = reaches.map(of_reach).fold(0.0, f64::max);
         self.price * most
     }
@@ -114,7 +114,7 @@ pub(super) fn lids(spec: &MissionSpec, world: &World) -> Vec<Lid> {
         })
         .collect();
     lids.sort_by(|a, b| b.heights_m[0].1.total_cmp(&a.heights_m[0].1));
-    lids.truncate(MOST);
+    lids.truncate(MAX);
     lids
 }
 

@@ -91,8 +91,8 @@ impl FreeSpace {
         let (from, to) = context.ends_at();
         let room_m =
             |end: EastNorth| 0.5 * (ring.boundary_distance(plane(end)) - zone.buffer_m).max(0.0);
-        let least_room_m = room_m(from).min(room_m(to));
-        let margin_m = zone.buffer_m + context.margins.threat_m.min(least_room_m);
+        let min_room_m = room_m(from).min(room_m(to));
+        let margin_m = zone.buffer_m + context.margins.threat_m.min(min_room_m);
         let (low, high) = ring.bounds();
         let nodes = self.nodes_around(low, high, margin_m + self.reach_m);
         let distances: Vec<f64> = nodes

@@ -224,9 +224,9 @@ fn classes_of_field(
 ) -> Vec<HomotopyClass> {
     let grid = &field.grid;
     let ends = (grid.nearest(start), grid.nearest(goal));
-    let least_per_km = field.cost.iter().copied().fold(f64::INFINITY, f64::min);
+    let min_per_km = field.cost.iter().copied().fold(f64::INFINITY, f64::min);
     let end = grid.at(ends.1);
-    let straight = |node: usize| least_per_km * grid.at(node).distance_m(end) / 1000.0;
+    let straight = |node: usize| min_per_km * grid.at(node).distance_m(end) / 1000.0;
     let from_start = tree(field, ends, obstacles, straight);
     let known = |node: usize| from_start.cost[node];
     let from_goal = tree(field, (ends.1, ends.0), obstacles, known);

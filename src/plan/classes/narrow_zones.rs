@@ -91,15 +91,15 @@ fn nodes_near(grid: &Grid, ring: &Ring) -> impl Iterator<Item = usize> + use<> {
 }
 
 /// The least distance between two closed zones that touch a box, or such a zone and a threat, that is wider
-/// than `least_m`; metres.
-pub(crate) fn narrowest_gap_m(world: &World, within: (EastNorth, EastNorth), least_m: f64) -> f64 {
+/// than `min_m`; metres.
+pub(crate) fn narrowest_gap_m(world: &World, within: (EastNorth, EastNorth), min_m: f64) -> f64 {
     let rings: Vec<Ring> = closed(world)
         .map(closed_ring)
         .filter(|ring| touches(ring, within))
         .collect();
     let mut narrowest_m = f64::INFINITY;
     let found = |gap_m: f64, narrowest_m: &mut f64| {
-        if gap_m > least_m {
+        if gap_m > min_m {
             *narrowest_m = narrowest_m.min(gap_m);
         }
     };

@@ -179,9 +179,9 @@ impl<'a> Graph<'a> {
         let edge = |number: usize| {
             let (a, b) = (number / count, number % count);
             let (p, q) = (self.at(a), self.at(b));
-            let least_m = start.distance_m(p) + p.distance_m(q) + q.distance_m(goal);
+            let min_m = start.distance_m(p) + p.distance_m(q) + q.distance_m(goal);
             let is_onward = (along(p), a) < (along(q), b);
-            match is_onward && self.prices.length * least_m / 1000.0 <= most {
+            match is_onward && self.prices.length * min_m / 1000.0 <= most {
                 true => self.edge([a, b]),
                 false => Edge::closed(),
             }

@@ -130,16 +130,16 @@ impl Narrows {
 
 /// The least distance between the rims of two threats that do not touch, metres.
 fn narrowest_gap_m(world: &World) -> f64 {
-    let mut least_m = f64::INFINITY;
+    let mut min_m = f64::INFINITY;
     for (index, one) in world.threats.iter().enumerate() {
         for other in &world.threats[..index] {
             let gap_m = one.center.distance_m(other.center) - one.radius_m - other.radius_m;
             if gap_m > 0.0 {
-                least_m = least_m.min(gap_m);
+                min_m = min_m.min(gap_m);
             }
         }
     }
-    least_m
+    min_m
 }
 
 /// The straight line as a line.

@@ -82,18 +82,18 @@ pub(crate) fn taut_line(
 /// The shortest line from the first of some nodes to the last, in order along the path.
 fn shortest(nodes: &[Corner], closed: &Closed) -> Option<Vec<Corner>> {
     let last = nodes.len() - 1;
-    let mut least_m = vec![f64::INFINITY; nodes.len()];
+    let mut min_m = vec![f64::INFINITY; nodes.len()];
     let mut before = vec![0; nodes.len()];
-    least_m[0] = 0.0;
+    min_m[0] = 0.0;
     for to in 1..=last {
         for from in 0..to {
-            let length_m = least_m[from] + distance(nodes[from].at, nodes[to].at);
-            if length_m < least_m[to] && closed.is_free(nodes[from].at, nodes[to].at) {
-                (least_m[to], before[to]) = (length_m, from);
+            let length_m = min_m[from] + distance(nodes[from].at, nodes[to].at);
+            if length_m < min_m[to] && closed.is_free(nodes[from].at, nodes[to].at) {
+                (min_m[to], before[to]) = (length_m, from);
             }
         }
     }
-    if least_m[last].is_infinite() {
+    if min_m[last].is_infinite() {
         return None;
     }
     let step = |&node: &usize| (node > 0).then(|| before[node]);

@@ -105,8 +105,8 @@ impl BlockingSets {
 /// ceiling, or the greatest height above ground that any vehicle may have.
 fn leaves_no_room(world: &World, zone: &PlanZone) -> bool {
     let layers = world.layers.iter().map(|layer| layer.max_agl_m);
-    let most_agl_m = layers.fold(f64::NEG_INFINITY, f64::max);
-    let least_agl_m = world.min_agl.0;
+    let max_agl_m = layers.fold(f64::NEG_INFINITY, f64::max);
+    let min_agl_m = world.min_agl.0;
     // Not known where the grid does not show its source.
     let shows = world.ground.shows(&world.terrain);
     let (low_m, high_m) = match shows {
@@ -115,13 +115,13 @@ fn leaves_no_room(world: &World, zone: &PlanZone) -> bool {
     };
     let is_over = match zone.ceiling {
         None => true,
-        Some(Placement::Amsl(top)) => top > world.max_amsl || top.0 > high_m + most_agl_m,
-        Some(Placement::Agl(Agl(top_m))) => top_m > most_agl_m || low_m + top_m > world.max_amsl.0,
+        Some(Placement::Amsl(top)) => top > world.max_amsl || top.0 > high_m + max_agl_m,
+        Some(Placement::Agl(Agl(top_m))) => top_m > max_agl_m || low_m + top_m > world.max_amsl.0,
     };
     let is_under = match zone.floor {
         None => true,
-        Some(Placement::Amsl(bottom)) => bottom.0 < low_m + least_agl_m,
-        Some(Placement::Agl(Agl(bottom_m))) => bottom_m < least_agl_m,
+        Some(Placement::Amsl(bottom)) => bottom.0 < low_m + min_agl_m,
+        Some(Placement::Agl(Agl(bottom_m))) => bottom_m < min_agl_m,
     };
     is_over && is_under
 }

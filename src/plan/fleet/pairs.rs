@@ -25,7 +25,7 @@ pub fn route_bounds(
 /// How long the route between each two of these places is at least, metres: past all that is closed
 /// at every altitude.
 #[must_use]
-pub fn least_lengths_m(spec: &MissionSpec, world: &World, sites: &[PlanPoint]) -> Vec<Vec<f64>> {
+pub fn min_lengths_m(spec: &MissionSpec, world: &World, sites: &[PlanPoint]) -> Vec<Vec<f64>> {
     shortest_m(spec, world, sites)
 }
 

@@ -80,7 +80,7 @@ impl Planning<'_> {
         let is_apart =
             |track: &Track, later_s: f64| !others.is_any_near((track, later_s), &nearness, counts);
         // A vehicle in the air has its times, whatever its departure.
-        let is_airborne = self.world.stations[index].departure.is_airborne();
+        let is_airborne = self.world.fixed_points[index].departure.is_airborne();
         let free = |choice: &Choice| {
             let later_s = choice.depart_s - vehicle.depart_s;
             if !is_airborne && !is_apart(&tracks[choice.speed], later_s) {
@@ -165,8 +165,8 @@ impl Planning<'_> {
         if vehicle.retiming.speed_mps.is_none() {
             return good;
         }
-        let least_mps = SPEED_STEP * vehicle.speed_mps;
-        let step_mps = ((span.most - span.least) / SPEEDS).max(least_mps).max(0.1);
+        let min_mps = SPEED_STEP * vehicle.speed_mps;
+        let step_mps = ((span.most - span.least) / SPEEDS).max(min_mps).max(0.1);
         let mut spec = self.spec.clone();
         let mut judged = |speed_mps: f64| {
             spec.vehicles[index].speed_mps = speed_mps;
@@ -204,7 +204,7 @@ impl Planning<'_> {
         };
         let mut vehicle = self.spec.vehicles[index].clone();
         plan.apply_to(&mut vehicle);
-        let mut start_s = route_start_s(&vehicle, &self.world.stations[index]);
+        let mut start_s = route_start_s(&vehicle, &self.world.fixed_points[index]);
         for (number, route) in plan.routes.iter_mut().enumerate() {
             let points = route.points();
             let (Some(first), Some(last)) = (points.first(), points.last()) else {

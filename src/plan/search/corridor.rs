@@ -147,11 +147,11 @@ fn through(
     let enough = costs.start.min(OF_CHEAPEST * least);
     let mut cheapest: Option<Fits> = None;
     let mut controls = needed_controls(context, homotopy);
-    let most_controls = most_controls(context);
+    let max_controls = max_controls(context);
     let mut left = FURTHER;
     loop {
         let fits = Fits::of(context, homotopy, controls, spent);
-        let is_last = controls >= most_controls;
+        let is_last = controls >= max_controls;
         let counts =
             fits.are_clean() || is_last && cheapest.is_none() && is_nearly_clean(&fits.best.strict);
         if counts {
@@ -164,7 +164,7 @@ fn through(
             break;
         }
         left -= usize::from(found.is_some());
-        controls = times_more(controls).min(most_controls);
+        controls = times_more(controls).min(max_controls);
     }
     let fits = cheapest.filter(|fits| cost(fits) < costs.end)?;
     let spec = with_free_controls(context.spec, fits.controls);
@@ -215,7 +215,7 @@ impl Fits {
 }
 
 /// Most control points that fits are tried with.
-fn most_controls(context: &RouteContext<'_>) -> usize {
+fn max_controls(context: &RouteContext<'_>) -> usize {
     match context.layer().max_agl_m.is_finite() {
         true => MAX_IN_LAYER,
         false => MAX_CONTROLS,

@@ -59,14 +59,14 @@ pub(crate) fn detour(
 ) -> Line {
     let (length_m, apart_m) = (line.length_m(), apart_m(context));
     #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
-    let least_m = (MIN_SPAN * length_m / (context.controls() - 1) as f64).min(length_m);
+    let min_m = (MIN_SPAN * length_m / (context.controls() - 1) as f64).min(length_m);
     let anywhere = rng.random_range(0..ANYWHERE) == 0;
     let until_m = conflict_m
         .filter(|_| !anywhere)
         .map_or(length_m, |first_m| {
-            (first_m + apart_m).clamp(least_m, length_m)
+            (first_m + apart_m).clamp(min_m, length_m)
         });
-    let span_m = least_m * (until_m / least_m).powf(rng.random_range(0.0..1.0));
+    let span_m = min_m * (until_m / min_m).powf(rng.random_range(0.0..1.0));
     let delay_m = MIN_DELAY * apart_m * DELAYS.powf(rng.random_range(0.0..1.0));
     let first_m = rng.random_range(0.0..=1.0) * (until_m - span_m);
     // Half a wave of this height over a straight span is longer by the delay.

@@ -25,7 +25,7 @@ const BROKEN: f64 = 2.0;
 /// A path that keeps the limits costs the same whether these are cheap or dear.
 const CLEAN: f64 = 1.0 + 1e-6;
 /// Minima that are looked into.
-const MOST: usize = 2;
+const MAX: usize = 2;
 /// Ends that are nearer have no line from which to swing out, metres.
 const SHORTEST_M: f64 = 1.0;
 
@@ -59,7 +59,7 @@ pub(super) fn other_valleys(
     let place = place.filter(|&place| best.cost <= CLEAN * costs[place]);
     let mut minima = place.map_or_else(Vec::new, |place| other_minima(&costs, place));
     minima.retain(|&at| dear[at] < BROKEN * best.cost);
-    minima.truncate(MOST);
+    minima.truncate(MAX);
     let seed = |&at: &usize| SearchSeed {
         mean: starts[at].1.to_vec(),
         scale: first.scale.clone(),
@@ -96,7 +96,7 @@ fn offset(
 /// Indices of costs that are least nearby and hardly above the one at `found`, with a ridge before
 /// them: cheapest first.
 fn other_minima(costs: &[f64], found: usize) -> Vec<usize> {
-    let is_least = |at: usize| {
+    let is_min = |at: usize| {
         let before = at.checked_sub(1).map(|before| costs[before]);
         before.is_none_or(|cost| costs[at] < cost)
             && costs.get(at + 1).is_none_or(|cost| costs[at] <= *cost)
@@ -108,7 +108,7 @@ fn other_minima(costs: &[f64], found: usize) -> Vec<usize> {
     };
     let mut minima: Vec<usize> = (0..costs.len())
         .filter(|&at| at != found && costs[at] < NEAR * costs[found])
-        .filter(|&at| is_least(at) && has_ridge(at))
+        .filter(|&at| is_min(at) && has_ridge(at))
         .collect();
     minima.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
     minima

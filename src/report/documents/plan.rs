@@ -12,7 +12,7 @@ use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, StopAction, Vehicle};
 use crate::tasks::{AssignedTask, FleetTasks};
 use crate::verify::{Limit, Margin, Review};
-use crate::world::{Stations, World};
+use crate::world::{FixedPoints, World};
 
 /// The paths of a fleet: `plan.json`. Its vehicles are made one at a time as they are written:
 /// those of a large fleet have hundreds of megabytes.
@@ -79,7 +79,7 @@ impl PlannedVehicles<'_> {
         let (vehicle, planned) = (&spec.vehicles[index], &self.plan.vehicles[index]);
         let own = self.left_out.get(vehicle.id.as_str());
         let mut document = PlannedVehicle {
-            landing_deg: landing_deg(vehicle, world.stations.get(index)),
+            landing_deg: landing_deg(vehicle, world.fixed_points.get(index)),
             gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
             blocked_by: ids(spec, &planned.blocked_by),
             // The objective judges turns and ground more strictly than the verdict.
@@ -349,9 +349,9 @@ fn violation_entries(
 }
 
 /// The course of a landing that the spec leaves open, degrees.
-fn landing_deg(vehicle: &Vehicle, stations: Option<&Stations>) -> Option<f64> {
+fn landing_deg(vehicle: &Vehicle, fixed_points: Option<&FixedPoints>) -> Option<f64> {
     vehicle.approach_wind()?;
-    rounded(stations?.landing_rad?.to_degrees(), METRE_DIGITS)
+    rounded(fixed_points?.landing_rad?.to_degrees(), METRE_DIGITS)
 }
 
 /// The ids of vehicles.

@@ -213,12 +213,12 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         margins.any(|margin| margin.limit == limit)
     };
     let clearance = held(Limit::TerrainClearance).then(|| {
-        let least_m = words::number(spec.area.min_agl.0 + spec.buffers.terrain_m, 1);
-        format!("{least_m} m or more above ground")
+        let min_m = words::number(spec.area.min_agl.0 + spec.buffers.terrain_m, 1);
+        format!("{min_m} m or more above ground")
     });
     let ceiling = held(Limit::Ceiling)
         .then_some(spec.area.max_amsl.0 - spec.buffers.ceiling_m)
-        .map(|most_m| format!("up to {} m AMSL", words::number(most_m, 1)));
+        .map(|max_m| format!("up to {} m AMSL", words::number(max_m, 1)));
     let tops = spec.vehicles.iter().filter_map(|of| of.altitudes.max_agl);
     let top_m = tops.map(|agl| agl.0 - spec.buffers.ceiling_m);
     let top_m = top_m.fold(f64::NEG_INFINITY, f64::max);

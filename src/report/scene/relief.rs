@@ -92,7 +92,7 @@ impl Relief {
         };
         let height_dm = |column: u32, row: u32| {
             let at = relief.node(bounds, column, row);
-            let height = world.terrain.height(world.frame.from_plan(at)).ok();
+            let height = world.terrain.height_at(&world.frame, at).ok();
             height.and_then(|amsl| decimetres(amsl.0))
         };
         let rows: Vec<Vec<_>> = (0..relief.rows)

@@ -148,7 +148,7 @@ pub(super) fn ground_under(track: &TrackShape, world: &World, max_samples: usize
 }
 
 fn ground_m(world: &World, at: EastNorth) -> Option<f64> {
-    let amsl = world.terrain.height(world.frame.from_plan(at)).ok()?;
+    let amsl = world.terrain.height_at(&world.frame, at).ok()?;
     rounded(amsl.0, 10.0)
 }
 

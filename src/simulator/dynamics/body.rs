@@ -36,8 +36,8 @@ impl Body {
         for axis in 0..2 {
             self.velocity_mps[axis] += delta[axis] * share + gust[axis] * dt_s;
         }
-        let most_z = limits.accel_z_mps2 * dt_s;
-        self.velocity_mps[2] += (demand_mps[2] - before[2]).clamp(-most_z, most_z);
+        let max_z = limits.accel_z_mps2 * dt_s;
+        self.velocity_mps[2] += (demand_mps[2] - before[2]).clamp(-max_z, max_z);
         for ((at, old), new) in self.at_m.iter_mut().zip(before).zip(self.velocity_mps) {
             *at += 0.5 * (old + new) * dt_s;
         }

@@ -69,7 +69,7 @@ pub(crate) fn corner_mps(half_turn_rad: f64, speed_mps: f64, limits: &Limits) ->
     };
     limits.cornering.map_or_else(
         || (2.0 * limits.corner_accel_mps2 * limits.corner_cut_m).sqrt() / sin,
-        |law| law.least_mps(&turn).max(MIN_CORNER_MPS),
+        |law| law.min_mps(&turn).max(MIN_CORNER_MPS),
     )
 }
 

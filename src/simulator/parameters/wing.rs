@@ -35,7 +35,7 @@ pub(crate) enum Passes {
 pub(crate) struct WingLimits {
     pub(crate) airspeed_mps: f64,
     /// Where the wheels leave the ground.
-    pub(crate) least_airspeed_mps: f64,
+    pub(crate) min_airspeed_mps: f64,
     pub(crate) approach_mps: f64,
     pub(crate) bank_rad: f64,
     pub(crate) climb_mps: f64,
@@ -91,14 +91,14 @@ impl Settings {
 
     fn arduplane(&self) -> WingLimits {
         let airspeed_mps = self.of_name("AIRSPEED_CRUISE").max(5.0);
-        let least_airspeed_mps = self.of_name("AIRSPEED_MIN").clamp(3.0, airspeed_mps);
+        let min_airspeed_mps = self.of_name("AIRSPEED_MIN").clamp(3.0, airspeed_mps);
         // A plan has the name since 4.7 as well.
         let slope_min_m = self.of_name("GLIDE_SLOPE_MIN").trunc();
         WingLimits {
             airspeed_mps,
-            least_airspeed_mps,
+            min_airspeed_mps,
             // TECS_LAND_ARSPD is -1: between the least and the planned one.
-            approach_mps: 0.5 * (least_airspeed_mps + airspeed_mps),
+            approach_mps: 0.5 * (min_airspeed_mps + airspeed_mps),
             bank_rad: self.of_name("ROLL_LIMIT_DEG").clamp(5.0, 80.0).to_radians(),
             climb_mps: self.of_name("TECS_CLMB_MAX").max(0.1),
             sink_mps: self.of_name("TECS_SINK_MAX").max(0.1),
@@ -130,15 +130,15 @@ impl Settings {
 
     fn px4_wing(&self) -> WingLimits {
         let airspeed_mps = self.of_name("FW_AIRSPD_TRIM").max(5.0);
-        let least_airspeed_mps = self.of_name("FW_AIRSPD_MIN").clamp(3.0, airspeed_mps);
+        let min_airspeed_mps = self.of_name("FW_AIRSPD_MIN").clamp(3.0, airspeed_mps);
         let (period_s, damping) = (self.of_name("NPFG_PERIOD"), self.of_name("NPFG_DAMPING"));
         let climb_mps = self.of_name("FW_T_CLMB_R_SP");
         let sink_mps = self.of_name("FW_T_SINK_R_SP");
         WingLimits {
             airspeed_mps,
-            least_airspeed_mps,
+            min_airspeed_mps,
             // FW_LND_AIRSPD is -1.
-            approach_mps: least_airspeed_mps,
+            approach_mps: min_airspeed_mps,
             bank_rad: self.of_name("FW_R_LIM").clamp(5.0, 80.0).to_radians(),
             climb_mps: climb_mps.min(self.of_name("FW_T_CLMB_MAX")).max(0.1),
             sink_mps: sink_mps.min(self.of_name("FW_T_SINK_MAX")).max(0.1),

@@ -293,11 +293,11 @@ impl Pilot {
         let level_m = speed * speed * half.sin() / limits.corner_accel_mps2;
         let kink_mps = (after.slope() - leg.slope()).abs() * speed;
         let upright_m = 0.5 * speed * kink_mps / limits.accel_z_mps2;
-        let most_m = 0.5 * leg.length_m().min(after.length_m());
+        let max_m = 0.5 * leg.length_m().min(after.length_m());
         level_m
             .max(upright_m)
             .max(REACHED_M)
-            .min(most_m.max(REACHED_M))
+            .min(max_m.max(REACHED_M))
     }
 
     /// An item's point: east, north, altitude.

@@ -17,7 +17,7 @@ pub(crate) struct Placing {
     /// Where it comes down from, and rises to.
     pub(crate) top_m: [f64; 3],
     /// Most that it comes down, metres.
-    most_m: f64,
+    max_m: f64,
     stage: Stage,
 }
 
@@ -30,10 +30,10 @@ enum Stage {
 
 impl Placing {
     pub(crate) fn new(item: &Item, top_m: [f64; 3]) -> Self {
-        let most_m = f64::from(item.params[0]);
+        let max_m = f64::from(item.params[0]);
         Self {
             top_m,
-            most_m: if most_m > 0.0 { most_m } else { f64::INFINITY },
+            max_m: if max_m > 0.0 { max_m } else { f64::INFINITY },
             stage: Stage::Lowering,
         }
     }
@@ -64,7 +64,7 @@ impl Pilot {
                 self.events
                     .push(Event::Says("PayloadPlace: landed, releasing"));
             }
-            Stage::Lowering if top_m[2] - at_m[2] >= placing.most_m => {
+            Stage::Lowering if top_m[2] - at_m[2] >= placing.max_m => {
                 placing.stage = Stage::Rising;
                 self.events
                     .push(Event::Says("PayloadPlace: reached maximum descent"));

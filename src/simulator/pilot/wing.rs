@@ -250,7 +250,7 @@ impl Pilot {
         wing.roll(&mut self.body, f64::INFINITY, air_mps, STEP_S);
         self.body.at_m[2] = self.ground_m(self.body.at_m);
         let ratio = true_airspeed_ratio(Amsl(self.body.at_m[2]));
-        if wing.airspeed_mps >= limits.least_airspeed_mps * ratio {
+        if wing.airspeed_mps >= limits.min_airspeed_mps * ratio {
             self.airborne = true;
             wing = Wing::of(&self.body, heading_rad, air_mps);
             self.doing = Doing::OnWing(Winged::ClimbingOut(takeoff));

@@ -21,7 +21,7 @@ pub struct AttachedFile {
 
 /// What became of a file of airspace or obstacles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Survey {
+pub struct AirspaceImport {
     /// The file, as the spec names it.
     pub file: String,
     /// Ids of its zones, in file order.

@@ -5,6 +5,6 @@ mod dome;
 mod zone;
 
 pub(super) use attached::read;
-pub use attached::{AttachedFile, Survey};
+pub use attached::{AirspaceImport, AttachedFile};
 pub(crate) use dome::{dome_layers, dome_of};
 pub use zone::Zone;

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use geo::BoundingRect;
 
-use super::super::airspace::{AttachedFile, Survey};
+use super::super::airspace::{AirspaceImport, AttachedFile};
 use super::super::keys;
 use super::super::{Placement, Zone};
 use super::Checker;
@@ -77,23 +77,23 @@ impl Checker {
                 return self.report(&path, error, allowed);
             }
         };
-        let mut survey = Survey {
+        let mut import = AirspaceImport {
             file: keys.file.clone(),
             open: collection.open,
-            ..Survey::default()
+            ..AirspaceImport::default()
         };
-        survey.unmatched = unmatched(keys, &collection);
+        import.unmatched = unmatched(keys, &collection);
         let is_skipped = |name: &str| keys.skip.iter().any(|skip| skip == name);
         let mut refused: Vec<(String, String)> = Vec::new();
         for of in collection.refused {
             match is_skipped(&of.name) {
-                true => survey.left_out += 1,
+                true => import.left_out += 1,
                 false => refused.push((of.name, of.why)),
             }
         }
         for shape in collection.shapes {
             if is_skipped(&shape.name) || !is_asked(keys, &shape) {
-                survey.left_out += 1;
+                import.left_out += 1;
                 continue;
             }
             let buffer_m = keys.buffer_m.unwrap_or(0.0);
@@ -104,14 +104,14 @@ impl Checker {
                     zone.id = free_id(&shape.name, map);
                     zone.buffer_m = buffer_m;
                     zone.source = Some(source(&keys.file, &shape));
-                    survey.zones.push(zone.id.clone());
+                    import.zones.push(zone.id.clone());
                     map.no_fly.push(zone);
                 }
                 Err(Dropped::OutOfReach) => {
-                    survey.out_of_reach += 1;
-                    survey.exchanged += is_exchanged();
+                    import.out_of_reach += 1;
+                    import.exchanged += is_exchanged();
                 }
-                Err(Dropped::WithoutArea) => survey.without_area += 1,
+                Err(Dropped::WithoutArea) => import.without_area += 1,
                 Err(Dropped::Refused(why)) => refused.push((shape.name, why)),
             }
         }
@@ -120,7 +120,7 @@ impl Checker {
             let allowed = "zones that can be read, or its name in skip";
             self.report(&path, found, allowed);
         }
-        map.surveys.push(survey);
+        map.imports.push(import);
     }
 
     /// A zone whose rings do not cross themselves.

@@ -2,7 +2,7 @@
 
 use geo::{Contains, Intersects, Point, Polygon};
 
-use super::super::airspace::{AttachedFile, Survey, dome_layers};
+use super::super::airspace::{AirspaceImport, AttachedFile, dome_layers};
 use super::super::keys;
 use super::super::{
     AltitudeLimits, Area, BufferedLimit, Buffers, KnownPlace, PlaceKind, Placement, Rally,
@@ -30,7 +30,7 @@ pub(super) struct Map {
     pub(super) no_fly: Vec<Zone>,
     pub(super) rally: Vec<Rally>,
     /// What became of the shapes of each file.
-    pub(super) surveys: Vec<Survey>,
+    pub(super) imports: Vec<AirspaceImport>,
 }
 
 impl Checker {
@@ -73,7 +73,7 @@ impl Checker {
             threats,
             no_fly,
             rally: Vec::new(),
-            surveys: Vec::new(),
+            imports: Vec::new(),
         };
         self.add_files(keys, attached, references, &mut map);
         for (index, point) in keys.rally.iter().enumerate() {
@@ -113,26 +113,26 @@ impl Checker {
 
     /// A rally point keeps the least height over ground and its buffer.
     fn rally_height(&mut self, path: &str, agl_m: f64, map: &Map) {
-        let Agl(least_m) = map.area.min_agl;
+        let Agl(min_m) = map.area.min_agl;
         let of = ("terrain", "area.min_agl_m");
-        let limit = BufferedLimit::beyond(of, least_m, map.buffers.terrain_m);
-        if (0.0..least_m).contains(&agl_m) {
-            let allowed = format!("at least area.min_agl_m, {least_m}");
+        let limit = BufferedLimit::beyond(of, min_m, map.buffers.terrain_m);
+        if (0.0..min_m).contains(&agl_m) {
+            let allowed = format!("at least area.min_agl_m, {min_m}");
             self.report(path, digits::plain(agl_m), allowed);
         } else if (0.0..limit.buffered_m).contains(&agl_m) {
             self.report(path, digits::plain(agl_m), limit.allowed(agl_m));
         }
-        let Some(Agl(most_m)) = map.area.altitudes.max_agl else {
+        let Some(Agl(max_m)) = map.area.altitudes.max_agl else {
             return;
         };
         let limit = BufferedLimit {
             key: "ceiling",
             of: "area.max_agl_m",
-            limit_m: most_m,
-            buffered_m: most_m - map.buffers.ceiling_m,
+            limit_m: max_m,
+            buffered_m: max_m - map.buffers.ceiling_m,
         };
-        if agl_m > most_m {
-            let allowed = format!("at most area.max_agl_m, {most_m}");
+        if agl_m > max_m {
+            let allowed = format!("at most area.max_agl_m, {max_m}");
             self.report(path, digits::plain(agl_m), allowed);
         } else if agl_m > limit.buffered_m {
             self.report(path, digits::plain(agl_m), limit.allowed(agl_m));
@@ -257,8 +257,8 @@ impl Checker {
             true => ": are latitude and longitude exchanged?",
             false => "",
         };
-        let most_km = MAX_AWAY_M / 1e3;
-        let allowed = format!("at most {most_km:.0} km; latitude comes first{hint}");
+        let max_km = MAX_AWAY_M / 1e3;
+        let allowed = format!("at most {max_km:.0} km; latitude comes first{hint}");
         self.report(path, found, allowed);
         false
     }

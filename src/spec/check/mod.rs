@@ -20,7 +20,7 @@ pub(super) use shapes::relative;
 
 use std::fmt::Display;
 
-use super::airspace::{AttachedFile, Survey};
+use super::airspace::{AirspaceImport, AttachedFile};
 use super::keys;
 use super::positions::Positions;
 use super::table::Table;
@@ -62,7 +62,7 @@ pub(super) fn check(
 pub(super) struct Checked {
     /// The spec, with the summaries of its airspace files: what is broken is left out of it, and then
     /// there is an issue. None without an area and a terrain.
-    pub(super) spec: Option<(MissionSpec, Vec<Survey>)>,
+    pub(super) spec: Option<(MissionSpec, Vec<AirspaceImport>)>,
     pub(super) sources: ValueSources,
     /// Every problem, in file order.
     pub(super) issues: Vec<Issue>,
@@ -113,7 +113,7 @@ impl Checker {
         &mut self,
         keys: &keys::Spec,
         attached: &[AttachedFile],
-    ) -> Option<(MissionSpec, Vec<Survey>)> {
+    ) -> Option<(MissionSpec, Vec<AirspaceImport>)> {
         self.file_name("name", &keys.name);
         let buffers = self.buffers(keys);
         let map = self.map(keys, buffers, attached);
@@ -126,7 +126,7 @@ impl Checker {
         let planner = self.planner(&keys.planner);
         self.on_alarm(keys, &vehicles);
         let map = map?;
-        let surveys = map.surveys;
+        let imports = map.imports;
         let spec = MissionSpec {
             version: keys.sortie,
             name: keys.name.clone(),
@@ -151,7 +151,7 @@ impl Checker {
             on_link_loss: keys.on_link_loss,
             on_alarm: keys.on_alarm,
         };
-        Some((spec, surveys))
+        Some((spec, imports))
     }
 
     /// `on_alarm`: no conflict with `on_link_loss`, and `return_amsl_m` where it orders a return.

@@ -54,7 +54,7 @@ struct Identity {
 }
 
 /// How far stops must be apart at least, metres: a wing needs a few turns from one to the next.
-fn least_apart_m(keys: &keys::Vehicle) -> f64 {
+fn min_apart_m(keys: &keys::Vehicle) -> f64 {
     if !keys.airframe.unwrap_or_default().has_wing() {
         return MIN_START_TO_GOAL_M;
     }
@@ -255,8 +255,8 @@ impl Checker {
         let ends = self.ends(path, keys, map);
         let stops = self.stops(path, keys, map);
         if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
-            let least_m = least_apart_m(keys);
-            self.stops_apart(path, keys, (start.place, goal.place), (&stops, least_m));
+            let min_m = min_apart_m(keys);
+            self.stops_apart(path, keys, (start.place, goal.place), (&stops, min_m));
         }
         (ends, stops)
     }
@@ -288,8 +288,8 @@ impl Checker {
             let found = "a greatest airspeed, on a wing: its airspeed is speed_mps";
             self.report(&format!("{path}.max_airspeed_mps"), found, "copters only");
         }
-        let most_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
-        let Some(most_mps) = most_mps.filter(|mps| version == 2 && vehicle.speeds().most > *mps)
+        let max_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
+        let Some(max_mps) = max_mps.filter(|mps| version == 2 && vehicle.speeds().most > *mps)
         else {
             return;
         };
@@ -297,11 +297,11 @@ impl Checker {
         let reached = facts.behaviour.lean_speed_mps.of(vehicle.autopilot_version);
         let allowed = match (vehicle.max_airspeed_mps, reached) {
             (None, Some(reached)) => format!(
-                "at most {most_mps:.1} m/s: a stock {} {} reached {reached} at {:.0} degrees of lean, and a plan raises it to \
+                "at most {max_mps:.1} m/s: a stock {} {} reached {reached} at {:.0} degrees of lean, and a plan raises it to \
                  {MAX_LEAN_DEG:.0} at most; max_airspeed_mps states what a vehicle was flown at",
                 facts.firmware, reached.version, facts.behaviour.lean_deg
             ),
-            _ => format!("at most {most_mps} m/s: max_airspeed_mps"),
+            _ => format!("at most {max_mps} m/s: max_airspeed_mps"),
         };
         let key = match vehicle.retiming.speed_mps {
             Some(_) => "speed_range_mps.max",
@@ -320,14 +320,14 @@ impl Checker {
 
     /// The speeds from stops on, as [`Self::flyable`].
     fn flyable_from_stops(&mut self, path: &str, vehicle: &Vehicle, version: u32) {
-        let most_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
-        let Some(most_mps) = most_mps.filter(|_| version == 2) else {
+        let max_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
+        let Some(max_mps) = max_mps.filter(|_| version == 2) else {
             return;
         };
         for (index, stop) in vehicle.stops.iter().enumerate() {
-            if let Some(speed_mps) = stop.speed_mps.filter(|mps| *mps > most_mps) {
+            if let Some(speed_mps) = stop.speed_mps.filter(|mps| *mps > max_mps) {
                 let path = format!("{path}.stops[{index}].speed_mps");
-                let allowed = format!("at most {most_mps:.1} m/s, as speed_mps of the vehicle");
+                let allowed = format!("at most {max_mps:.1} m/s, as speed_mps of the vehicle");
                 self.report(&path, format!("{speed_mps} m/s"), allowed);
             }
         }

@@ -160,15 +160,15 @@ impl Checker {
     }
 
     fn loiter_radius(&mut self, path: &str, keys: &keys::Vehicle, flown: &Flown) -> f64 {
-        let least_m = turn_radius_by_load_m(flown.fastest_mps(), flown.load_factor);
+        let min_m = turn_radius_by_load_m(flown.fastest_mps(), flown.load_factor);
         let Some(radius_m) = keys.loiter_radius_m else {
-            return (DEFAULT_LOITER * least_m).ceil();
+            return (DEFAULT_LOITER * min_m).ceil();
         };
-        if (1.0..least_m).contains(&radius_m) {
+        if (1.0..min_m).contains(&radius_m) {
             let found = format!("{radius_m} m, tighter than the turn radius");
             let allowed = format!(
                 "at least {:.1} m at {:.1} m/s and a load factor of {}",
-                (least_m * 10.0).ceil() / 10.0,
+                (min_m * 10.0).ceil() / 10.0,
                 flown.fastest_mps(),
                 flown.load_factor
             );

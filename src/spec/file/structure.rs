@@ -392,9 +392,9 @@ fn filling(key: &str, schema: &Schema, root: &Schema, depth: usize) -> Value {
         }
         "number" | "integer" => {
             // The widest limit.
-            let is_most = key.starts_with("max_");
+            let is_max = key.starts_with("max_");
             let least = bound("minimum").unwrap_or(0.0).max(0.0);
-            let value = bound("maximum").filter(|_| is_most).unwrap_or(least);
+            let value = bound("maximum").filter(|_| is_max).unwrap_or(least);
             #[expect(clippy::cast_possible_truncation, reason = "bounds of a small schema")]
             match kind {
                 "integer" => Value::Number((value as i64).into()),

@@ -76,7 +76,7 @@ impl Stop {
     /// at least 5 with a heading, and more by 0.5 for each action.
     #[must_use]
     pub fn rest_s(&self) -> f64 {
-        let least_s = match self.heading_rad {
+        let min_s = match self.heading_rad {
             Some(_) => MIN_TURN_S,
             None => MIN_REST_S,
         };
@@ -85,7 +85,7 @@ impl Stop {
             0 => 0.0,
             _ => 1.0 + ACTION_S * f64::from(count),
         };
-        self.wait_s + self.hold_s.max(least_s + acting_s).ceil()
+        self.wait_s + self.hold_s.max(min_s + acting_s).ceil()
     }
 }
 

@@ -211,8 +211,8 @@ impl Draft<'_> {
             // A full area takes more goals nearer to each other.
             let spacing_m = MIN_FROM_GOAL_M * 0.8_f64.powi(tries / 20_000);
             tries += 1;
-            let is_apart = |from: &[EastNorth], least_m: f64| {
-                from.iter().all(|other| other.distance_m(at) > least_m)
+            let is_apart = |from: &[EastNorth], min_m: f64| {
+                from.iter().all(|other| other.distance_m(at) > min_m)
             };
             if pad.distance_m(at) > MIN_ROUTE_M
                 && is_apart(&self.pads, MIN_FROM_PAD_M)

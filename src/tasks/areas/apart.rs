@@ -22,10 +22,10 @@ struct Abeam {
 pub fn far_apart(cells: &Cells, sensor: &Sensor, agl_m: f64, passes: &[Pass]) -> Vec<bool> {
     let mut abeam: Vec<Vec<Abeam>> = Vec::new();
     abeam.resize_with(cells.cells.len(), Vec::new);
-    let most_above_m = MAX_ABOVE * agl_m;
+    let max_above_m = MAX_ABOVE * agl_m;
     // The first and the last picture of a line show what lies beyond its ends.
     let beyond_m = sensor.picture_m(agl_m).unwrap_or(0.0) / 2.0;
-    let reach_m = sensor.swath_m(most_above_m);
+    let reach_m = sensor.swath_m(max_above_m);
     for &(from, to) in passes.iter().flat_map(|pass| &pass.legs) {
         let leg = Leg::new(from, to);
         for index in cells.near(from.at, to.at, reach_m) {
@@ -34,7 +34,7 @@ pub fn far_apart(cells: &Cells, sensor: &Sensor, agl_m: f64, passes: &[Pass]) ->
                 continue;
             };
             let above_m = amsl_m - cells.cells[index].ground_m;
-            if above_m <= most_above_m && east_m.hypot(north_m) <= reach_m {
+            if above_m <= max_above_m && east_m.hypot(north_m) <= reach_m {
                 abeam[index].push(Abeam {
                     away_m: [east_m, north_m],
                     course: leg.course,

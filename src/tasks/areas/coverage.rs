@@ -116,8 +116,8 @@ impl Cells {
         world: &World,
     ) -> Option<Self> {
         let box_m2 = (high.0 - low.0) * (high.1 - low.1);
-        let least_m = (box_m2 / MAX_CELLS).sqrt().max(MIN_SIDE_M);
-        let side_m = (sight_m / CELLS_PER_SIGHT).max(least_m);
+        let min_m = (box_m2 / MAX_CELLS).sqrt().max(MIN_SIDE_M);
+        let side_m = (sight_m / CELLS_PER_SIGHT).max(min_m);
         let middles = |low: f64, high: f64| {
             let count = whole((high - low) / side_m) + 1;
             (0..count).map(move |index| low + (f64::from(index) + 0.5) * side_m)
@@ -126,7 +126,7 @@ impl Cells {
         let row = |&north_m: &f64| -> Option<Vec<Cell>> {
             let at = middles(low.0, high.0).map(|east_m| EastNorth { east_m, north_m });
             let cells = at.filter(|at| holds(*at)).map(|at| {
-                let ground = world.terrain.height(world.frame.from_plan(at)).ok()?;
+                let ground = world.terrain.height_at(&world.frame, at).ok()?;
                 let ground_m = ground.0;
                 Some(Cell { at, ground_m })
             });
@@ -215,22 +215,21 @@ pub fn seen_by(cells: &Cells, sensor: &Sensor, agl_m: f64, passes: &[Pass]) -> V
 
 /// The cells that one pass sees often enough.
 fn seen_from(cells: &Cells, sensor: &Sensor, agl_m: f64, pass: &Pass) -> Vec<usize> {
-    let most_above_m = MAX_ABOVE * agl_m;
+    let max_above_m = MAX_ABOVE * agl_m;
     let along = sensor.along.map_or(0.0, |(tangent, _)| tangent);
-    let reach_m = most_above_m * sensor.across.max(along);
+    let reach_m = max_above_m * sensor.across.max(along);
     let mut pictures: std::collections::BTreeMap<usize, (f64, f64)> =
         std::collections::BTreeMap::new();
     let last = pass.legs.len().saturating_sub(1);
     for (number, &(from, to)) in pass.legs.iter().enumerate() {
         let leg = Leg::new(from, to);
         for index in cells.near(from.at, to.at, reach_m) {
-            let Some((first_m, last_m)) = leg.sees(&cells.cells[index], sensor, most_above_m)
-            else {
+            let Some((first_m, last_m)) = leg.sees(&cells.cells[index], sensor, max_above_m) else {
                 continue;
             };
             let highest_m = leg.highest_m(first_m, last_m) - cells.cells[index].ground_m;
-            let most_m = sensor.pictures_apart_m(highest_m.max(agl_m));
-            if pass.trigger_m > most_m && most_m.is_some() {
+            let max_m = sensor.pictures_apart_m(highest_m.max(agl_m));
+            if pass.trigger_m > max_m && max_m.is_some() {
                 continue;
             }
             let (length_m, count) = pictures.entry(index).or_default();
@@ -299,7 +298,7 @@ impl Leg {
     }
 
     /// From where until where on the leg a cell is seen, metres from its begin.
-    fn sees(&self, cell: &Cell, sensor: &Sensor, most_above_m: f64) -> Option<(f64, f64)> {
+    fn sees(&self, cell: &Cell, sensor: &Sensor, max_above_m: f64) -> Option<(f64, f64)> {
         if self.length_m < 1e-6 {
             return None;
         }
@@ -313,7 +312,7 @@ impl Leg {
         let mut span = (0.0, self.length_m);
         // Height above the cell at `u` is above_m + slope u.
         let is_held = at_least((self.slope, above_m), aside_m / sensor.across, &mut span)
-            && at_least((-self.slope, -above_m), -most_above_m, &mut span);
+            && at_least((-self.slope, -above_m), -max_above_m, &mut span);
         if !is_held {
             return None;
         }

@@ -36,7 +36,7 @@ pub(in crate::tasks) fn lifted(
                 east_m: mix(leg.from.east_m, leg.to.east_m),
                 north_m: mix(leg.from.north_m, leg.to.north_m),
             };
-            let ground = world.terrain.height(world.frame.from_plan(at));
+            let ground = world.terrain.height_at(&world.frame, at);
             (
                 at,
                 ground.map_or(f64::NEG_INFINITY, |ground| ground.0 + leg.above_m),

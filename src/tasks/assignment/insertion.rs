@@ -82,7 +82,7 @@ impl Assignment<'_> {
         mut noise: Option<&mut Noise<'_>>,
     ) -> Option<Insertion> {
         let (count, own) = (self.jobs[job].visits.len(), &self.vehicles[vehicle]);
-        if visits.len() + count > own.most_visits || !self.jobs[job].vehicles[vehicle] {
+        if visits.len() + count > own.max_visits || !self.jobs[job].vehicles[vehicle] {
             return None;
         }
         let before = self.go(vehicle, visits.iter().copied())?;

@@ -160,7 +160,7 @@ impl Assignment<'_> {
     fn begun_best(&self, vehicle: usize, ring: &[(usize, usize)]) -> Option<Vec<(usize, usize)>> {
         let own = &self.vehicles[vehicle];
         let may = |visit: &(usize, usize)| self.jobs[visit.0].vehicles[vehicle];
-        if ring.len() > own.most_visits || !ring.iter().all(may) {
+        if ring.len() > own.max_visits || !ring.iter().all(may) {
             return None;
         }
         let turned = |first: usize| ring.iter().cycle().skip(first).take(ring.len()).copied();

@@ -18,7 +18,7 @@ fn carrier(ways: &[Vec<Option<Way>>], start: usize, budget: u64) -> Carrier<'_> 
         own: None,
         budget,
         rest_uses: 0,
-        most_visits: 100,
+        max_visits: 100,
         begins: (0, 0),
         slowest: 1000,
         late_after_way: 0,

@@ -69,12 +69,12 @@ impl Assigner<'_> {
         }
         let ends = (self.points[from], self.points[to]);
         let line = |site: usize| lines.get(site).and_then(Option::as_ref);
-        let least_m = match (line(from), line(to)) {
+        let min_m = match (line(from), line(to)) {
             (Some(_), Some(_)) => MIN_TURN_M,
             _ if from < lines.len() || to < lines.len() => MIN_ROUTE_M,
             _ => 0.0,
         };
-        if ends.0.at.distance_m(ends.1.at) < least_m {
+        if ends.0.at.distance_m(ends.1.at) < min_m {
             return None;
         }
         let own = match (line(from), line(to)) {
@@ -147,7 +147,7 @@ impl Assigner<'_> {
                 None => u64::MAX,
             },
             rest_uses: whole(rest).into(),
-            most_visits: MAX_STOPS,
+            max_visits: MAX_STOPS,
             begins: self.begins(vehicle),
             slowest: SLOWEST,
             late_after_way: whole((stop_late_s(own) + leg_late_s(own)) * PER_SECOND).into(),
@@ -160,7 +160,7 @@ impl Assigner<'_> {
     fn begins(&self, vehicle: usize) -> (u64, u64) {
         let own = &self.spec.vehicles[vehicle];
         let (planned_s, takeoff_s) = (
-            route_start_s(own, &self.world.stations[vehicle]),
+            route_start_s(own, &self.world.fixed_points[vehicle]),
             takeoff_lateness_s(own),
         );
         let early_s = (planned_s + takeoff_s.least).max(0.0);
@@ -172,19 +172,22 @@ impl Assigner<'_> {
 
     /// What takeoff, landing and return use, as parts of what a vehicle may use.
     pub(super) fn overhead(&self, vehicle: usize) -> f64 {
-        let (own, stations) = (&self.spec.vehicles[vehicle], &self.world.stations[vehicle]);
+        let (own, fixed_points) = (
+            &self.spec.vehicles[vehicle],
+            &self.world.fixed_points[vehicle],
+        );
         let stops: Vec<Stop> = Vec::new();
-        let (own, mut stations) = (
+        let (own, mut fixed_points) = (
             Vehicle {
                 stops,
                 ..own.clone()
             },
-            stations.clone(),
+            fixed_points.clone(),
         );
-        stations.stops.clear();
-        let ends = route_ends(&own, &stations);
+        fixed_points.stops.clear();
+        let ends = route_ends(&own, &fixed_points);
         let routes: Vec<Vec<PlanPoint>> = ends.iter().map(|ends| vec![ends.0, ends.1]).collect();
-        let flown = flight(&own, &stations, &routes);
+        let flown = flight(&own, &fixed_points, &routes);
         let used = |pair: &[TimedPoint]| {
             let duration_s = pair[1].t_s - pair[0].t_s;
             match duration_s.is_finite() {
@@ -195,10 +198,10 @@ impl Assigner<'_> {
         let moving = flown.points.windows(2);
         let moving = moving.skip_while(|pair| pair[0].point == pair[1].point);
         let whole: f64 = moving.map(used).sum();
-        let straight = (stations.start, stations.goal);
+        let straight = (fixed_points.start, fixed_points.goal);
         let straight_m = straight.0.distance_m(straight.1);
         let route = self.used(vehicle, duration_s(&own, straight, straight_m), straight);
-        let takeoff_s = longer_for_takeoff_s(&own, stations.departure);
+        let takeoff_s = longer_for_takeoff_s(&own, fixed_points.departure);
         (whole - route).max(0.0) + self.used_late(&own, takeoff_s)
     }
 }

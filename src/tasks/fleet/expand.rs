@@ -78,7 +78,7 @@ impl Assigner<'_> {
                 let own = &self.spec.vehicles[vehicle];
                 made.stops.push(own.stops[position].clone());
                 made.points
-                    .push(self.world.stations[vehicle].stops[position]);
+                    .push(self.world.fixed_points[vehicle].stops[position]);
                 continue;
             };
             if unit.line.is_some() {
@@ -104,7 +104,7 @@ impl Assigner<'_> {
         self.lift(&mut made, vehicle);
         let own = &mut tasks.spec.vehicles[vehicle];
         (own.stops, own.order) = (made.stops, Order::Fixed);
-        tasks.world.stations[vehicle].stops = made.points;
+        tasks.world.fixed_points[vehicle].stops = made.points;
     }
 
     /// Notes who does a task, or a line of one.
@@ -206,7 +206,7 @@ impl Assigner<'_> {
 
     fn lift_chain(&self, made: &mut Stops, (first, last): (usize, usize), vehicle: usize) {
         let layer = self.world.layers.get(vehicle);
-        let most_m = layer.map_or(f64::INFINITY, |layer| layer.max_agl_m);
+        let max_m = layer.map_or(f64::INFINITY, |layer| layer.max_agl_m);
         let vehicle = &self.spec.vehicles[vehicle];
         let stops = &made.stops[first..=last];
         let fastest = stops.iter().filter_map(|stop| stop.speed_mps);
@@ -228,7 +228,7 @@ impl Assigner<'_> {
             from: pair[0],
             to: pair[1],
             above_m: match stop.arrives {
-                Arrival::OnLine(agl) => agl.0 + ABOVE_M.min((most_m - agl.0 - ENCODED_M).max(0.0)),
+                Arrival::OnLine(agl) => agl.0 + ABOVE_M.min((max_m - agl.0 - ENCODED_M).max(0.0)),
                 _ => self.world.min_agl.0 + ABOVE_M,
             },
         });

@@ -54,10 +54,7 @@ impl Assigner<'_> {
 
     /// The zones with times that a point lies in, by their indices, and how far it is to their edges, metres.
     fn timed_zones(&self, point: PlanPoint) -> Vec<(usize, f64)> {
-        let ground = self
-            .world
-            .terrain
-            .height(self.world.frame.from_plan(point.at));
+        let ground = self.world.terrain.height_at(&self.world.frame, point.at);
         let ground_m = ground.map_or(f64::NAN, |ground| ground.0);
         let zones = self.world.zones.iter().enumerate();
         let timed = zones.filter(|(_, zone)| {

@@ -4,7 +4,7 @@ use super::copter;
 use super::item::Order;
 use super::jumps::{Jumps, Next, is_jump, jump};
 use super::wing::items;
-use crate::autopilot::Autopilot;
+use crate::autopilot::{Autopilot, Capacity};
 use crate::geodesy::Amsl;
 use crate::mission::{Item, VehicleMission, command, frame};
 
@@ -34,9 +34,6 @@ impl Unknown {
     }
 }
 
-/// Most commands without motion that `ArduPilot` obeys before the next item that moves it (`AP_Mission::advance_current_nav_cmd`
-/// looks at 254 items; with one more its mission is complete, with two it begins them again and again).
-const MAX_IN_A_ROW: usize = 253;
 /// Most orders of a mission; each repetition of a jump counts. Twice what PX4 stores.
 const MAX_ORDERS: usize = 20_000;
 /// The orders of a mission in the sequence in which they are obeyed.
@@ -92,25 +89,39 @@ fn needs_terrain(item: &Item, mission: &VehicleMission) -> bool {
             .is_some_and(|on| on.abs() < 0.5)
 }
 
-/// The commands without motion since the last item that moves the vehicle.
+/// The commands without motion since the last item that moves the vehicle, and the jumps since the last item.
 #[derive(Default)]
-struct Commands {
-    in_a_row: usize,
+struct InARow {
+    commands: usize,
+    jumps: usize,
     /// Whether they wait for a condition while the vehicle flies on.
     waiting: bool,
 }
 
-impl Commands {
-    /// Takes in an item; says why the flight is not known from it on, if it is not.
-    fn next(&mut self, item: &Item, autopilot: Autopilot) -> Result<(), String> {
+impl InARow {
+    /// Takes in a jump; says why the flight is not known from it on, if it is not.
+    fn jump(&mut self, limits: &Capacity) -> Result<(), String> {
+        self.jumps += 1;
+        if self.jumps <= limits.jumps_in_a_row {
+            return Ok(());
+        }
+        Err(format!(
+            "more than {} jumps in a row: the mission ends there",
+            limits.jumps_in_a_row
+        ))
+    }
+
+    /// Takes in an item that is no jump; says why the flight is not known from it on, if it is not.
+    fn next(&mut self, item: &Item, limits: &Capacity) -> Result<(), String> {
+        self.jumps = 0;
         if item.command <= NAV_LAST {
             *self = Self::default();
             return Ok(());
         }
-        self.in_a_row += 1;
-        if autopilot == Autopilot::ArduPilot && self.in_a_row > MAX_IN_A_ROW {
+        self.commands += 1;
+        if let Some(max) = limits.commands_in_a_row.filter(|&max| self.commands > max) {
             return Err(format!(
-                "more than {MAX_IN_A_ROW} commands without motion in a row: ArduPilot does not come to the next item"
+                "more than {max} commands without motion in a row: ArduPilot does not come to the next item"
             ));
         }
         match item.command {
@@ -133,7 +144,8 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
     let mut next = 0;
     // Each jump that is made for ever, and the first step after it.
     let mut begins = Vec::new();
-    let mut commands = Commands::default();
+    let limits = mission.facts().capacity;
+    let mut in_a_row = InARow::default();
     for _ in 0..MAX_ORDERS {
         let item = mission.items.get(next)?;
         let row = next + 1;
@@ -143,6 +155,9 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
             return unknown(why.to_owned());
         }
         if is_jump(item, mission.autopilot) {
+            if let Err(why) = in_a_row.jump(&limits) {
+                return unknown(why);
+            }
             match jump(item, next, mission, &mut jumps[next]) {
                 Ok(Next::Item(index)) => next = index,
                 Ok(Next::Again(index)) => {
@@ -157,7 +172,7 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
             }
             continue;
         }
-        if let Err(why) = commands.next(item, mission.autopilot) {
+        if let Err(why) = in_a_row.next(item, &limits) {
             return unknown(why);
         }
         let order = if mission.airframe.has_wing() {
@@ -251,6 +266,26 @@ mod tests {
         let items = vec![delay(), delay(), delay(), command(177, 2.0, -1.0), delay()];
         let (rows, unread) = decoded(Autopilot::ArduPilot, items);
         assert_eq!((rows, unread), (vec![1, 2, 3, 2, 3], None));
+    }
+
+    #[test]
+    fn no_more_jumps_are_made_in_a_row_than_the_autopilot_reads() {
+        let through = |autopilot, jumps: u16| {
+            let jump = |item: u16| command(177, f32::from(item), 0.0);
+            let first = 1 - i32::from(autopilot == Autopilot::Px4);
+            let items = (0..jumps).map(|_| jump(u16::try_from(first).unwrap_or(0)));
+            let items: Vec<Item> = [delay()]
+                .into_iter()
+                .chain(items)
+                .chain([delay()])
+                .collect();
+            let (rows, unread) = decoded(autopilot, items);
+            (rows.len(), unread.map(|why| why.contains("in a row")))
+        };
+        assert_eq!(through(Autopilot::Px4, 9), (2, None));
+        assert_eq!(through(Autopilot::Px4, 10), (1, Some(true)));
+        assert_eq!(through(Autopilot::ArduPilot, 64), (2, None));
+        assert_eq!(through(Autopilot::ArduPilot, 65), (1, Some(true)));
     }
 
     #[test]

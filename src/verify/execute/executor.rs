@@ -16,7 +16,7 @@ use crate::mission::{
     cruise_speed_mps, frame, jerk_mps3, within_speeds_mps,
 };
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
-use crate::world::{Departure, LowPlace, Stations, World};
+use crate::world::{Departure, FixedPoints, LowPlace, World};
 
 use super::bent_map;
 use super::decode::{self, After, Orders, Step, Unknown};
@@ -36,7 +36,7 @@ const REACH_M: f64 = 500_000.0;
 
 /// Why its parameters make the vehicle fly all of its mission otherwise than this verdict does, if they do.
 fn other_flight(mission: &VehicleMission) -> Option<String> {
-    let mut known = mission.facts().judged_with.iter();
+    let mut known = mission.facts().judged_with.iter().copied().flatten();
     known.find_map(|(name, judged)| {
         let held = mission
             .params
@@ -54,7 +54,7 @@ pub(crate) fn fly(
     mission: &VehicleMission,
     spec: &MissionSpec,
     world: &World,
-    stations: &Stations,
+    fixed_points: &FixedPoints,
     home: PlanPoint,
 ) -> Flight {
     let orders = decode::decode(mission, home.amsl);
@@ -65,9 +65,9 @@ pub(crate) fn fly(
         rotors,
         world,
         trajectory: TrajectoryBuilder::new(world, home.at, posts_m(mission)),
-        stations,
+        fixed_points,
         tolerance_m: spec.mission.tolerance_m,
-        drops: world.drops(spec, vehicle, stations),
+        drops: world.drops(spec, vehicle, fixed_points),
         flight: Flight::default(),
         home,
         airborne: false,
@@ -124,7 +124,7 @@ pub(crate) struct Pilot<'a> {
     pub(crate) rotors: &'a Vehicle,
     pub(crate) world: &'a World,
     pub(crate) trajectory: TrajectoryBuilder<'a>,
-    pub(crate) stations: &'a Stations,
+    pub(crate) fixed_points: &'a FixedPoints,
     tolerance_m: f64,
     /// Where it may come below the least height above ground.
     drops: Vec<LowPlace>,
@@ -184,7 +184,7 @@ fn disarms_after(mission: &VehicleMission, waits_s: f64) -> Option<String> {
 impl Pilot<'_> {
     /// Begins in the air, if it is there.
     fn depart(&mut self, mission: &VehicleMission) {
-        if let Departure::Airborne { point, at_s, .. } = self.stations.departure {
+        if let Departure::Airborne { point, at_s, .. } = self.fixed_points.departure {
             self.airborne = true;
             self.phase = Phase::Route;
             self.trajectory.t_s = at_s;
@@ -374,8 +374,8 @@ impl Pilot<'_> {
             Order::Circle { at, height, circle } => {
                 self.circle_on_rotors((row, self.or_here(at), height), circle, mission)?;
             }
-            Order::Place { at, most_m } => {
-                self.place_payload(row, self.or_here(at), most_m, mission)?
+            Order::Place { at, max_m } => {
+                self.place_payload(row, self.or_here(at), max_m, mission)?
             }
             Order::Land { at: Some(at) } if self.vehicle.airframe == Airframe::Plane => {
                 let item = &mission.items[row - 1];

@@ -77,7 +77,7 @@ pub(crate) struct Round {
     pub(crate) segment: usize,
     pub(crate) radius_m: f64,
     /// The least that it can turn at its speed and altitude, metres.
-    pub(crate) least_m: f64,
+    pub(crate) min_m: f64,
 }
 
 /// A circle on rotors.
@@ -314,8 +314,8 @@ mod tests {
         let at = PlanPoint::new(0.0, 0.0, Amsl(500.0));
         let followed = |agl_m: (f64, f64)| Followed {
             agl_m,
-            least_m: agl_m.0.min(agl_m.1),
-            most_m: agl_m.0.max(agl_m.1),
+            min_m: agl_m.0.min(agl_m.1),
+            max_m: agl_m.0.max(agl_m.1),
             off_m: 0.0,
         };
         let segment = |agl_m| Segment {

@@ -72,7 +72,7 @@ pub(crate) enum Order {
     /// of metres, and rise again.
     Place {
         at: Option<LatLon>,
-        most_m: Option<f64>,
+        max_m: Option<f64>,
     },
     /// Wait where the vehicle is.
     Wait { hold_s: f64 },
@@ -175,7 +175,7 @@ fn of_arducopter(item: &Item, here: bool, home: Amsl) -> Result<Order, String> {
         },
         command::NAV_PAYLOAD_PLACE => Order::Place {
             at,
-            most_m: most_descent_m(item.params[0])?,
+            max_m: max_descent_m(item.params[0])?,
         },
         _ => Order::Spline {
             at,
@@ -262,12 +262,12 @@ fn is_harmless_function(function: f32) -> bool {
 
 /// How far a vehicle descends at most to place a payload, metres; none: until it feels the ground.
 /// ArduPilot keeps centimetres in 16 bits.
-fn most_descent_m(param: f32) -> Result<Option<f64>, String> {
-    let most_m = seconds(param).map_err(|_| format!("a descent of {param} m at most"))?;
-    if most_m > 655.0 {
+fn max_descent_m(param: f32) -> Result<Option<f64>, String> {
+    let max_m = seconds(param).map_err(|_| format!("a descent of {param} m at most"))?;
+    if max_m > 655.0 {
         return Err(format!("a descent of {param} m at most"));
     }
-    Ok(Some(most_m).filter(|most_m| *most_m > 0.0))
+    Ok(Some(max_m).filter(|max_m| *max_m > 0.0))
 }
 
 /// The place that an item is flown to; none is the present one.

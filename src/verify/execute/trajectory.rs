@@ -348,8 +348,8 @@ impl<'a> TrajectoryBuilder<'a> {
     fn followed(&self, (from, to): (EastNorth, EastNorth), agl_m: (f64, f64)) -> Followed {
         let mut all = Followed {
             agl_m,
-            least_m: f64::INFINITY,
-            most_m: f64::NEG_INFINITY,
+            min_m: f64::INFINITY,
+            max_m: f64::NEG_INFINITY,
             off_m: 0.0,
         };
         let count = geometry::steps(from.distance_m(to), EVERY_M, (1, u16::MAX));
@@ -363,9 +363,9 @@ impl<'a> TrajectoryBuilder<'a> {
             let place = self.frame.from_plan(at);
             let apart = apart(self.surface.terrain(), place, self.posts_m).moved(self.at_home);
             let over_m = mix(agl_m.0, agl_m.1);
-            all.least_m = all.least_m.min(over_m - apart.below_m);
-            all.most_m = all.most_m.max(over_m + apart.above_m);
-            all.off_m = all.off_m.max(apart.most_m());
+            all.min_m = all.min_m.min(over_m - apart.below_m);
+            all.max_m = all.max_m.max(over_m + apart.above_m);
+            all.off_m = all.off_m.max(apart.max_m());
         }
         all
     }

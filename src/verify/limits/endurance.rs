@@ -41,7 +41,7 @@ impl Contract<'_> {
             .sum();
         let used = before + used;
         // A vehicle that is late hovers or circles for so long, where the air is thinnest.
-        let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.stations.departure);
+        let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.fixed_points.departure);
         let wind_mps = self.spec.wind.map_or(0.0, |wind| wind.speed_mps);
         let tops = aloft
             .iter()
@@ -100,7 +100,7 @@ impl Contract<'_> {
 
     /// What a vehicle that begins in the air has used until then: since its departure, at its speed.
     fn used_before(&self, endurance: &Endurance) -> f64 {
-        let Departure::Airborne { at_s, .. } = self.stations.departure else {
+        let Departure::Airborne { at_s, .. } = self.fixed_points.departure else {
             return 0.0;
         };
         let since_s = (at_s - self.vehicle.depart_s).max(0.0);
@@ -109,9 +109,9 @@ impl Contract<'_> {
 
     /// What a flight straight from start over its stops to its end would use, if nothing were in the way.
     fn used_straight(&self, endurance: &Endurance) -> f64 {
-        let ends = route_ends(self.vehicle, self.stations);
+        let ends = route_ends(self.vehicle, self.fixed_points);
         let routes: Vec<Vec<PlanPoint>> = ends.iter().map(|ends| vec![ends.0, ends.1]).collect();
-        let points = flight(self.vehicle, self.stations, &routes).points;
+        let points = flight(self.vehicle, self.fixed_points, &routes).points;
         let moves = points
             .windows(2)
             .skip_while(|pair| pair[0].point == pair[1].point);

@@ -67,9 +67,9 @@ impl Contract<'_> {
             margin.note = "through the air; it cannot hover in this wind".to_owned();
         } else if !margin.ok {
             // Down to what can be written with one decimal.
-            let most_mps = (10.0 * over_ground_mps).floor() / 10.0;
+            let max_mps = (10.0 * over_ground_mps).floor() / 10.0;
             let wind = self.spec.wind.map_or("", |_| "in this wind ");
-            margin.note = format!("through the air; {wind}speed_mps may be {most_mps:.1} at most");
+            margin.note = format!("through the air; {wind}speed_mps may be {max_mps:.1} at most");
         }
         Some(margin)
     }

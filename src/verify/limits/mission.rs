@@ -18,7 +18,7 @@ use crate::mission::{self, AcceptanceProblem, List, VehicleMission, as_set, comm
 use crate::numeric::digits::float32;
 use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
-use crate::world::{Stations, World};
+use crate::world::{FixedPoints, World};
 
 use super::fence::Fence;
 use crate::verify::execute::executor::is_launched;
@@ -38,7 +38,7 @@ pub(crate) struct Contract<'a> {
     pub(crate) spec: &'a MissionSpec,
     pub(crate) world: &'a World,
     pub(crate) vehicle: &'a Vehicle,
-    pub(crate) stations: &'a Stations,
+    pub(crate) fixed_points: &'a FixedPoints,
     pub(crate) mission: &'a VehicleMission,
     pub(crate) flight: &'a Flight,
 }
@@ -163,7 +163,7 @@ impl Contract<'_> {
 
     /// What the autopilot would refuse or misread: one margin for each problem.
     fn acceptance(&self) -> Vec<Margin> {
-        let mut problems = if self.stations.departure.is_airborne() {
+        let mut problems = if self.fixed_points.departure.is_airborne() {
             mission::problems_in_flight(self.mission)
         } else {
             mission::problems(self.mission)
@@ -211,7 +211,7 @@ impl Contract<'_> {
     /// The delay before takeoff against `depart_s` or its window, where the autopilot keeps one.
     fn departure(&self) -> Option<Margin> {
         let first = self.flight.segments.first()?;
-        let is_airborne = self.stations.departure.is_airborne();
+        let is_airborne = self.fixed_points.departure.is_airborne();
         let is_launched = is_launched(self.vehicle, self.mission.autopilot);
         if is_airborne || self.flight.delay_s.is_none() && is_launched {
             return None;
@@ -321,7 +321,7 @@ impl Contract<'_> {
     fn slopes(&self) -> Vec<Margin> {
         let mut angles = [Worst::default(), Worst::default()];
         let mut rates = [Worst::default(), Worst::default()];
-        let is_airborne = self.stations.departure.is_airborne();
+        let is_airborne = self.fixed_points.departure.is_airborne();
         let begun = self.flight.segments.first().filter(|_| is_airborne);
         let set = as_set(self.vehicle, self.mission);
         for slope in &self.flight.slopes {

@@ -84,11 +84,11 @@ impl Space<'_> {
         let nearest = threats
             .chain(zones)
             .min_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2)));
-        let clear = nearest.and_then(|(of, margin_m, least_m)| {
-            let found = margin(margin_m, least_m, Limit::RallyObstacles(number))?;
+        let clear = nearest.and_then(|(of, margin_m, min_m)| {
+            let found = margin(margin_m, min_m, Limit::RallyObstacles(number))?;
             Some(Margin {
                 note: format!("nearest: {of}"),
-                buffer: least_m,
+                buffer: min_m,
                 ..found
             })
         });

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::geodesy::LocalFrame;
 use crate::numeric::tracks::{Nearness, Track, Tracks};
-use crate::path::{most_shift_s, takeoff_shift_s, with_stops_s};
+use crate::path::{max_shift_s, takeoff_shift_s, with_stops_s};
 use crate::spec::{Separation, Span};
 
 use crate::verify::measure::segment::Segment;
@@ -88,7 +88,7 @@ impl Near {
             };
             (timeline.of, on_its_way)
         });
-        let late_s = most_shift_s(fleet);
+        let late_s = max_shift_s(fleet);
         let allowed_m = 2.0 * error_m + TOLERANCE_M;
         let nearness = Nearness {
             distance_m: below_m + allowed_m,

@@ -93,10 +93,10 @@ impl<'a> Space<'a> {
                 // What is flown may be as far as its bow from the segment, to any side.
                 let bow_m = segment.bow_m;
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
-                let least_m = self.spec.buffers.area_m;
+                let min_m = self.spec.buffers.area_m;
                 found
                     .area
-                    .at_least(area_m - bow_m, least_m, || moment(segment, part, w));
+                    .at_least(area_m - bow_m, min_m, || moment(segment, part, w));
                 if !fence.is_empty() {
                     let (fence_m, w) = fence.margin_m(part, found.fence.room() + bow_m);
                     found
@@ -168,7 +168,7 @@ impl<'a> Space<'a> {
         } else if let Some(followed) = segment.followed {
             let (_, u) = lower_end(followed.agl_m);
             let at = || segment.moment(&self.world.frame, u);
-            found.clearance.at_least(followed.least_m, min_m, at);
+            found.clearance.at_least(followed.min_m, min_m, at);
         } else if let Some(ground_m) = segment.slope_from_m {
             let share_m = |amsl_m: f64| SLOPE_SHARE * (amsl_m - ground_m);
             self.judge_clearance(segment, parts, &share_m, &mut found.slope);
@@ -209,15 +209,15 @@ impl<'a> Space<'a> {
             let amsl_m = |w: f64| segment.at(part.along(w)).amsl.0;
             for patch in patches {
                 let over_m = |w: f64, ground_m: f64| amsl_m(w) - ground_m - required_m(amsl_m(w));
-                let (over_m, v) = patch.least_clearance_m(
+                let (over_m, v) = patch.min_clearance_m(
                     over_m(patch.w.0, patch.height_m.0),
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
                 let rise_m = self.surface.bow_rise_m(segment, part, (&patch, w));
                 let bound_m = required_m(amsl_m(w));
-                let least_m = over_m + bound_m - rise_m;
-                worst.at_least(least_m, bound_m, || moment(segment, part, w));
+                let min_m = over_m + bound_m - rise_m;
+                worst.at_least(min_m, bound_m, || moment(segment, part, w));
             }
         }
     }
@@ -240,7 +240,7 @@ impl<'a> Space<'a> {
                     let (from_m, to_m) = followed.agl_m;
                     let (_, u) = lower_end((-from_m, -to_m));
                     let at = || segment.moment(&self.world.frame, u);
-                    found.height.at_most(followed.most_m, layer.max_agl_m, at);
+                    found.height.at_most(followed.max_m, layer.max_agl_m, at);
                 }
                 None => self.judge_height(layer.max_agl_m, segment, parts, &mut found.height),
             }
@@ -250,19 +250,19 @@ impl<'a> Space<'a> {
             && segment.slope_from_m.is_none()
         {
             let ends_m = (segment.from.amsl.0, segment.to.amsl.0);
-            let (least_m, u) = lower_end(ends_m);
+            let (min_m, u) = lower_end(ends_m);
             let slack_m = followed_off_m(segment);
             let at = || segment.moment(&self.world.frame, u);
-            found.low.at_least(least_m - slack_m, layer.min_amsl_m, at);
+            found.low.at_least(min_m - slack_m, layer.min_amsl_m, at);
         }
     }
 
     /// Height above the lowest ground under a segment.
-    fn judge_height(&self, most_m: f64, segment: &Segment, parts: &[Stretch], worst: &mut Worst) {
+    fn judge_height(&self, max_m: f64, segment: &Segment, parts: &[Stretch], worst: &mut Worst) {
         for part in parts {
             let patches = match self.surface.under(part.from, part.to) {
                 Ok(patches) => patches,
-                Err(gap) => return no_data(worst, most_m, segment, gap),
+                Err(gap) => return no_data(worst, max_m, segment, gap),
             };
             for patch in patches {
                 let over_m = |w: f64, ground_m: f64| segment.at(part.along(w)).amsl.0 - ground_m;
@@ -272,13 +272,13 @@ impl<'a> Space<'a> {
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
                 let fall_m = self.surface.bow_rise_m(segment, part, (&patch, w));
-                worst.at_most(over_m + fall_m, most_m, || moment(segment, part, w));
+                worst.at_most(over_m + fall_m, max_m, || moment(segment, part, w));
             }
         }
     }
 
     fn judge_threats(&self, segment: &Segment, parts: &[Stretch], worst: &mut [Worst]) {
-        let least_m = self.spec.buffers.threats_m;
+        let min_m = self.spec.buffers.threats_m;
         for ((disc, cylinder), worst) in self.world.threats.iter().zip(&self.threats).zip(worst) {
             // Distances in the plane differ from those around the threat by far less than this.
             let around_m = disc.center.distance_m(segment.at(0.5).at)
@@ -288,9 +288,7 @@ impl<'a> Space<'a> {
             }
             for part in parts {
                 let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
-                worst.at_least(margin_m - segment.bow_m, least_m, || {
-                    moment(segment, part, w)
-                });
+                worst.at_least(margin_m - segment.bow_m, min_m, || moment(segment, part, w));
             }
         }
     }
@@ -303,26 +301,26 @@ impl<'a> Space<'a> {
         (times, shift_s): (&Times<'_>, Span),
         way: &[Part<'_>],
     ) -> Worst {
-        let least_m = self.spec.buffers.zones_m.max(zone.buffer_m);
+        let min_m = self.spec.buffers.zones_m.max(zone.buffer_m);
         let slack_s = self.spec.separation.time_slack_s;
         let shift_s = Span {
             least: shift_s.least - slack_s,
             most: shift_s.most + slack_s,
         };
         let closed = Closed::new(zone, &self.surface, (times, shift_s));
-        let closed = closed.widened(least_m);
+        let closed = closed.widened(min_m);
         let judge = |part: &Part<'_>, worst: &mut Worst| {
             for stretch in closed.parts(part.segment, &part.stretch) {
                 let (margin_m, w) = shape.margin_m(&stretch);
-                worst.at_least(margin_m - part.slack_m, least_m, || {
+                worst.at_least(margin_m - part.slack_m, min_m, || {
                     moment(part.segment, &stretch, w)
                 });
             }
         };
         nearest_first(
             way,
-            |part| shape.bound_m(&part.around) - part.slack_m - least_m,
-            -least_m,
+            |part| shape.bound_m(&part.around) - part.slack_m - min_m,
+            -min_m,
             judge,
         )
     }

@@ -50,7 +50,7 @@ impl Contract<'_> {
         }
         if let Some(((is_rad, glide_rad), landing)) = flight.landing.zip(wing.landing) {
             let touchdown = last.moment(frame, 1.0);
-            if let Some(planned_rad) = self.stations.landing_rad.or(landing.heading_rad) {
+            if let Some(planned_rad) = self.fixed_points.landing_rad.or(landing.heading_rad) {
                 course(is_rad, planned_rad, Limit::LandingHeading, touchdown);
             }
             let mut glide = Worst::default();
@@ -78,8 +78,8 @@ impl Contract<'_> {
         }
         let mut is_too_tight = false;
         for round in &flight.rounds {
-            is_too_tight |= round.radius_m < round.least_m;
-            radius.at_least(round.radius_m, round.least_m, || at(round.segment));
+            is_too_tight |= round.radius_m < round.min_m;
+            radius.at_least(round.radius_m, round.min_m, || at(round.segment));
         }
         let margin = radius.margin(self.id(), Limit::LoiterRadius, "m")?;
         let note = match is_too_tight {

@@ -111,11 +111,11 @@ impl Hills {
     /// of those is missing from the ground, and may be part of heights at the ends.
     fn near(&self, profiles: &[Profile], w: (f64, f64)) -> (Vec<Profile>, f64) {
         #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^52 hills")]
-        let least_m = LEFT_OUT_M / self.knolls.len().max(1) as f64;
+        let min_m = LEFT_OUT_M / self.knolls.len().max(1) as f64;
         let mut left_out_m = 0.0;
         let near = profiles.iter().filter(|profile| {
             let top_m = profile.reach(w).top_m;
-            let matters = top_m > least_m;
+            let matters = top_m > min_m;
             if !matters {
                 left_out_m += 2.25 * top_m;
             }

@@ -22,7 +22,7 @@ pub(crate) struct Patch {
 impl Patch {
     /// The least height of a line above the patch, from its heights above it at
     /// the ends, and the fraction of the patch where that is.
-    pub(crate) fn least_clearance_m(&self, from_m: f64, to_m: f64) -> (f64, f64) {
+    pub(crate) fn min_clearance_m(&self, from_m: f64, to_m: f64) -> (f64, f64) {
         let lower_end = if from_m <= to_m {
             (from_m, 0.0)
         } else {
@@ -51,7 +51,7 @@ impl Patch {
             bulge_m: -self.bulge_m,
             ..*self
         };
-        let (least_m, w) = mirrored.least_clearance_m(-from_m, -to_m);
-        (-least_m, w)
+        let (min_m, w) = mirrored.min_clearance_m(-from_m, -to_m);
+        (-min_m, w)
     }
 }

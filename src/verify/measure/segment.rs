@@ -30,8 +30,8 @@ pub(crate) struct Followed {
     /// As ordered, at both ends of the segment.
     pub(crate) agl_m: (f64, f64),
     /// The least and the greatest that it may have over the ground of the verdict.
-    pub(crate) least_m: f64,
-    pub(crate) most_m: f64,
+    pub(crate) min_m: f64,
+    pub(crate) max_m: f64,
     /// How far its altitude may be off that of the segment.
     pub(crate) off_m: f64,
 }
@@ -72,7 +72,7 @@ pub(crate) struct Segment {
 impl Followed {
     pub(crate) fn is_finite(self) -> bool {
         let (from_m, to_m) = self.agl_m;
-        (from_m + to_m + self.least_m + self.most_m + self.off_m).is_finite()
+        (from_m + to_m + self.min_m + self.max_m + self.off_m).is_finite()
     }
 }
 

@@ -266,7 +266,7 @@ mod tests {
                 .iter()
                 .map(|patch| {
                     let ends = (line_m(patch.w.0), line_m(patch.w.1));
-                    patch.least_clearance_m(ends.0 - patch.height_m.0, ends.1 - patch.height_m.1).0
+                    patch.min_clearance_m(ends.0 - patch.height_m.0, ends.1 - patch.height_m.1).0
                 })
                 .fold(f64::INFINITY, f64::min);
             let sampled_m = (0..=SAMPLES)

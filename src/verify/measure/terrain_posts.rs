@@ -16,10 +16,10 @@ pub(crate) struct Apart {
 
 impl Apart {
     /// Neither by more than this, metres.
-    pub(crate) fn within(self, most_m: f64) -> Self {
+    pub(crate) fn within(self, max_m: f64) -> Self {
         Self {
-            below_m: self.below_m.min(most_m),
-            above_m: self.above_m.min(most_m),
+            below_m: self.below_m.min(max_m),
+            above_m: self.above_m.min(max_m),
         }
     }
 
@@ -31,7 +31,7 @@ impl Apart {
         }
     }
 
-    pub(crate) fn most_m(self) -> f64 {
+    pub(crate) fn max_m(self) -> f64 {
         self.below_m.max(self.above_m)
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 
 use nalgebra::Vector3;
 
-use crate::numeric::approach::{self, Approach, closest_approach, closest_horizontal, least_ratio};
+use crate::numeric::approach::{self, Approach, closest_approach, closest_horizontal, min_ratio};
 use crate::path::{Departing, with_stops_s};
 use crate::spec::Span;
 
@@ -165,7 +165,7 @@ impl Metric {
             Distance::Space => closest_approach(&p, &q, slack_s),
             Distance::Horizontal(level_m) => closest_horizontal(&p, &q, slack_s, level_m + error_m),
             // Beside an endless horizontal limit only the vertical distance counts, here in metres.
-            Distance::Vertical => least_ratio(&p, &q, slack_s, f64::INFINITY, 1.0),
+            Distance::Vertical => min_ratio(&p, &q, slack_s, f64::INFINITY, 1.0),
         }?;
         let less_m = found.value - error_m;
         Some(Approach {

@@ -151,7 +151,7 @@ impl Check<'_> {
     /// The highest ground of the region, less what a path may climb on its way there.
     fn region_over_ground(&mut self, around: &Around<'_>) {
         let spec = &self.file.spec;
-        let least_m = self.least_agl().buffered_m;
+        let min_m = self.min_agl().buffered_m;
         let vehicle = around.vehicle;
         let by_speed = vehicle.climb_mps / vehicle.speed_mps;
         let slope = vehicle
@@ -159,7 +159,7 @@ impl Check<'_> {
             .map_or(by_speed, |rad| rad.tan().min(by_speed));
         let reach_m = around.region.reach_m();
         let over_m = |at: EastNorth| {
-            let ground = self.terrain.height(spec.frame.from_plan(at)).ok()?;
+            let ground = self.terrain.height_at(&spec.frame, at).ok()?;
             let climbed_m = slope * (reach_m + at.distance_m(around.top.at));
             Some((around.top.amsl.above_ground(ground).0, climbed_m))
         };
@@ -168,9 +168,9 @@ impl Check<'_> {
         let Some((at, (over_m, climbed_m))) = worst else {
             return;
         };
-        if over_m + climbed_m < least_m {
+        if over_m + climbed_m < min_m {
             let place = spec.frame.from_plan(at);
-            let over = digits::distinct_from(over_m, least_m, 0);
+            let over = digits::distinct_from(over_m, min_m, 0);
             let found = format!(
                 "{over} m above the ground at {:.5}, {:.5}, {:.0} m from {}",
                 place.lat_deg,
@@ -180,7 +180,7 @@ impl Check<'_> {
             );
             let Agl(limit_m) = spec.area.min_agl;
             let allowed = format!(
-                "at least {least_m:.0} m (area.min_agl_m {limit_m}{}) within {:.0} m, where {} may be before it is \
+                "at least {min_m:.0} m (area.min_agl_m {limit_m}{}) within {:.0} m, where {} may be before it is \
                  on its first leg: a higher start, or one elsewhere",
                 within(spec.buffers.terrain_m),
                 reach_m.ceil(),

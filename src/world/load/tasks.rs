@@ -32,15 +32,15 @@ impl Check<'_> {
         let Some((sweep, most)) = task.sweep.as_ref().zip(widest.max_agl) else {
             return;
         };
-        let most_m = most.0 - self.file.spec.buffers.ceiling_m;
-        if sweep.agl.0 > most_m {
+        let max_m = most.0 - self.file.spec.buffers.ceiling_m;
+        if sweep.agl.0 > max_m {
             let of_datum = match sweep.shape {
                 SweepShape::Search(_) => ".at",
                 _ => "",
             };
             let allowed = format!(
                 "at most {} m: max_agl_m less buffer_m.ceiling",
-                digits::plain(most_m)
+                digits::plain(max_m)
             );
             let path = format!("tasks[{index}].{}{of_datum}.agl_m", sweep.shape.key());
             self.report(&path, digits::plain(sweep.agl.0), allowed);

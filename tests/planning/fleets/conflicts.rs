@@ -394,6 +394,6 @@ fn vehicles_of_different_autopilots_are_planned_apart_by_what_these_are_late() {
         let mut margins = dispatched.review.margins.iter();
         let pair = margins.find(|margin| margin.other.as_deref() == Some("c2"));
         let shift = pair.and_then(|margin| margin.shift).expect("a pair");
-        assert!(shift.most_s() > 5.0 + 10.0, "{shift:?}");
+        assert!(shift.max_s() > 5.0 + 10.0, "{shift:?}");
     }
 }

@@ -31,20 +31,20 @@ fn default_mps(
 /// Limits the speed of a copter to the default of its autopilot where the mission asks for more.
 pub(super) fn limit(mission: &mut VehicleMission, id: &str, assumed: &mut Vec<String>) {
     let [_, most] = mission.facts().defaults.speed_parameters;
-    let Some((name, most_mps)) = default_mps(mission, most) else {
+    let Some((name, max_mps)) = default_mps(mission, most) else {
         return;
     };
     let mut changes = changes(&mission.items, (mission.autopilot, mission.airframe));
-    let is_above = changes.any(|(_, item)| f64::from(item.params[1]) > most_mps);
+    let is_above = changes.any(|(_, item)| f64::from(item.params[1]) > max_mps);
     if mission.airframe.has_wing() || !is_above {
         return;
     }
     assumed.push(format!(
-        "{id}: flies no faster than {name} {most_mps}, the default of {}",
+        "{id}: flies no faster than {name} {max_mps}, the default of {}",
         mission.autopilot.name()
     ));
     #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
-    let value = most_mps as f32;
+    let value = max_mps as f32;
     mission.params.push(Parameter {
         name: name.to_owned(),
         value,

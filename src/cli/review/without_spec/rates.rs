@@ -49,12 +49,12 @@ impl Rates {
                 break;
             }
             let before_m = at_m.unwrap_or(segment.from.amsl.0);
-            let (least_m, most_m) = (
+            let (min_m, max_m) = (
                 before_m - self.descent_mps * duration_s,
                 before_m + self.climb_mps * duration_s,
             );
             let leg_m = segment.to.amsl.0;
-            let reached_m = leg_m.max(least_m).min(most_m);
+            let reached_m = leg_m.max(min_m).min(max_m);
             self.below_m = self.below_m.max(leg_m - reached_m);
             self.above_m = self.above_m.max(reached_m - leg_m);
             at_m = Some(reached_m);

@@ -61,8 +61,8 @@ impl Elsewhere {
                 };
                 if flies {
                     let since_s = self.moved.take().map_or(t_s, |(_, since_s)| since_s);
-                    let said = self.home.as_ref().filter(|_| !self.is_checked);
-                    let before = said.unwrap_or(&mission.home);
+                    let reported = self.home.as_ref().filter(|_| !self.is_checked);
+                    let before = reported.unwrap_or(&mission.home);
                     self.moved = moved(before, &home).map(|text| (text, since_s));
                 } else {
                     self.home = Some(home);

@@ -17,7 +17,7 @@ impl<'a> Assumed<'a> {
     /// Those of a mission. One that its plan sets is compared with the plan.
     pub(super) fn all_of(mission: &'a VehicleMission) -> Vec<Self> {
         let planned: Vec<Self> = mission.params.iter().map(Self::Planned).collect();
-        let judged = mission.facts().judged_with.iter();
+        let judged = mission.facts().judged_with.iter().copied().flatten();
         let mut all: Vec<Self> = Vec::new();
         for (name, judged) in judged {
             if !(planned.iter().chain(&all)).any(|of| of.is_named(name)) {

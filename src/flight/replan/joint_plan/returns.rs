@@ -1,7 +1,7 @@
 //! New paths and the ways of those that return meanwhile: how fast an autopilot returns is not known.
 
 use super::JointPlan;
-use crate::flight::alarms::order_safety::{least_m, off_s, way_of_return};
+use crate::flight::alarms::order_safety::{min_m, off_s, way_of_return};
 use crate::flight::replan::activity::Doing;
 use crate::flight::replan::state::VehicleState;
 use crate::geodesy::PlanPoint;
@@ -27,10 +27,7 @@ fn ways(joint: &JointPlan<'_>, state: &VehicleState) -> Vec<Vec<Segment>> {
         return Vec::new();
     };
     let of_end = |end: &PlanPoint| {
-        let ground = joint
-            .world
-            .terrain
-            .height(joint.world.frame.from_plan(end.at));
+        let ground = joint.world.terrain.height_at(&joint.world.frame, end.at);
         let amsl = ground.unwrap_or(state.here.amsl);
         let place = PlanPoint { at: end.at, amsl };
         let vehicle = joint.vehicle(state);
@@ -53,7 +50,7 @@ impl JointPlan<'_> {
         let limit = &self.spec.separation;
         let met = self.given.others.iter().find_map(|other| {
             let ways = ways(self, other).into_iter();
-            let near = ways.filter_map(|way| least_m(&own, &way, limit));
+            let near = ways.filter_map(|way| min_m(&own, &way, limit));
             let away_m = near.reduce(f64::min).filter(|m| *m < limit.distance_m)?;
             let id = &self.vehicle(other).id;
             Some(format!(

@@ -44,8 +44,8 @@ impl JointPlan<'_> {
             depart_s,
             ..vehicle.clone()
         });
-        let stations = self.given.plan.world.stations[state.vehicle].clone();
-        self.world.stations.push(stations);
+        let fixed_points = self.given.plan.world.fixed_points[state.vehicle].clone();
+        self.world.fixed_points.push(fixed_points);
         let path: Vec<PlanPoint> = state.ahead.iter().map(|(_, point)| *point).collect();
         self.commit(state, &path, held(state, items), rows);
     }

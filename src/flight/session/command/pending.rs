@@ -5,7 +5,7 @@ use crate::link::{Address, Command, CommandResult, FlightMessage, Message, Time}
 /// Between two sendings, milliseconds.
 const REPEAT_MS: u64 = 500;
 /// Sendings without an answer before it is given up.
-const MOST: u8 = 12;
+const MAX: u8 = 12;
 
 /// A command on its way.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ impl PendingCommand {
 
     /// The message that is due, if any.
     pub(crate) fn poll(&mut self, now: Time) -> Option<Message> {
-        if self.result.is_some() || self.sent >= MOST || now < self.due {
+        if self.result.is_some() || self.sent >= MAX || now < self.due {
             return None;
         }
         let order = Command {
@@ -74,7 +74,7 @@ impl PendingCommand {
     pub(crate) fn answer(&self, now: Time) -> Answer {
         match self.result {
             Some(result) => Answer::Result(result),
-            None if self.sent >= MOST && now >= self.due => Answer::Silence,
+            None if self.sent >= MAX && now >= self.due => Answer::Silence,
             None => Answer::None,
         }
     }

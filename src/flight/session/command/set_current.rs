@@ -5,7 +5,7 @@ use crate::link::{Address, FlightMessage, Message, Time};
 /// Between two sendings, milliseconds: while items are transferred PX4 does not listen.
 const REPEAT_MS: u64 = 250;
 /// Sendings without an answer before it is given up.
-const MOST: u8 = 40;
+const MAX: u8 = 40;
 
 /// `MISSION_SET_CURRENT`, sent until `MISSION_CURRENT` has it. PX4 of December 2024 answers
 /// `MAV_CMD_DO_SET_MISSION_CURRENT` with "unsupported" (seen in its simulator).
@@ -39,7 +39,7 @@ impl Setting {
 
     /// The message that is due, if any.
     pub(crate) fn poll(&mut self, now: Time) -> Option<Message> {
-        if self.is_there || self.sent >= MOST || now < self.due {
+        if self.is_there || self.sent >= MAX || now < self.due {
             return None;
         }
         self.sent += 1;
@@ -50,7 +50,7 @@ impl Setting {
 
     /// Whether it flies there; none while that is not known.
     pub(crate) fn outcome(&self, now: Time) -> Option<bool> {
-        let is_silent = self.sent >= MOST && now >= self.due;
+        let is_silent = self.sent >= MAX && now >= self.due;
         (self.is_there || is_silent).then_some(self.is_there)
     }
 }

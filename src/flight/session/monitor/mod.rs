@@ -147,10 +147,10 @@ pub(in crate::flight::session) fn silence_s(
     now: Time,
     speedup: f64,
 ) -> Option<f64> {
-    let is_long = |since: Time, most_s: f64| {
+    let is_long = |since: Time, max_s: f64| {
         let silent_ms = now - since;
         let silent_s = seconds(silent_ms) * speedup;
-        (silent_s > most_s && seconds(silent_ms) * 1000.0 > LOST_WALL_MS).then_some(silent_s)
+        (silent_s > max_s && seconds(silent_ms) * 1000.0 > LOST_WALL_MS).then_some(silent_s)
     };
     let is_watched = vehicle.is_watched();
     let beats = || is_long(vehicle.beat_at, NO_BEAT_S).filter(|_| is_watched);

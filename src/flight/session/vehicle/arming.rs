@@ -212,8 +212,8 @@ impl FlightVehicle<'_> {
                 self.stage = Stage::Arming;
             }
             _ => {
-                let said = std::mem::take(&mut self.warnings);
-                let why = std::iter::once(what.to_owned()).chain(said);
+                let warnings = std::mem::take(&mut self.warnings);
+                let why = std::iter::once(what.to_owned()).chain(warnings);
                 self.stage = Stage::Refused(vec![why.collect::<Vec<_>>().join("; ")]);
             }
         }
@@ -274,7 +274,7 @@ impl FlightVehicle<'_> {
             }
             Stage::Armed => {
                 let what = "disarmed itself before all were armed";
-                self.said.push_back(what.to_owned());
+                self.news.push_back(what.to_owned());
                 self.retry_arming(what);
             }
             Stage::Disarming(disarming) => {
@@ -285,7 +285,7 @@ impl FlightVehicle<'_> {
                 disarming.unarmed += 1;
                 if disarming.unarmed >= BEATS {
                     let end = disarming.end.take();
-                    self.said.push_back("is disarmed".to_owned());
+                    self.news.push_back("is disarmed".to_owned());
                     self.finish_disarming(end);
                 }
             }
@@ -303,7 +303,7 @@ impl FlightVehicle<'_> {
         {
             let instruction = *if_airborne;
             let text = format!("{}, and flies all the same", end.sentence());
-            self.said.push_back(text);
+            self.news.push_back(text);
             self.stage = Stage::Flying;
             self.command([]);
             if let Some(instruction) = instruction {

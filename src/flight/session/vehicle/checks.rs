@@ -182,7 +182,7 @@ impl FlightVehicle<'_> {
         }
         soft.extend(readiness::version_problem(self.of.mission, self.version));
         let unknown = readiness::unknown_version(self.of.mission, self.version);
-        self.said.extend(unknown);
+        self.news.extend(unknown);
         let mut hard = Vec::new();
         if self.latest.is_none() {
             hard.push("it does not say where it is".to_owned());
@@ -196,7 +196,7 @@ impl FlightVehicle<'_> {
             hard.push("it is armed".to_owned());
         }
         if self.force {
-            self.said.extend(
+            self.news.extend(
                 soft.drain(..)
                     .map(|text| format!("flies all the same: {text}")),
             );
@@ -292,19 +292,19 @@ impl FlightVehicle<'_> {
     /// What is on board is compared item by item once; by the ids of its lists that holds from then on.
     pub(super) fn heed_ids(&mut self, ids: [u32; 3], has_begun: bool) {
         // One that says no id at all says 0 of each.
-        let said = ids.iter().any(|id| *id != 0).then_some(ids);
-        self.checked.now = said;
+        let reported = ids.iter().any(|id| *id != 0).then_some(ids);
+        self.checked.now = reported;
         let is_read = matches!(
             self.stage,
             Stage::Checking { .. } | Stage::Ready | Stage::Arming | Stage::Armed
         );
-        let (true, false, Some(now)) = (is_read, has_begun, said) else {
+        let (true, false, Some(now)) = (is_read, has_begun, reported) else {
             return;
         };
         let before = *self.checked.ids.get_or_insert(now);
         if matches!(self.stage, Stage::Checking { .. }) {
             (self.checked.ids, self.checked.has_changed) =
-                (said, self.checked.has_changed || before != now);
+                (reported, self.checked.has_changed || before != now);
             return;
         }
         let is_other = |at: usize| now[at] != before[at];

@@ -207,7 +207,7 @@ impl FlightVehicle<'_> {
     /// A plane comes down on the approach of its mission, the only one that was judged.
     pub(crate) fn land_by_mission(&mut self) {
         if self.of.reference.lands {
-            self.said
+            self.news
                 .push_back("lands as planned, at the end of its mission".to_owned());
             // Its last heartbeat may be older than the order to hold that this one comes after.
             let is_on_mission = self.in_mission && self.instruction.is_none();
@@ -218,7 +218,7 @@ impl FlightVehicle<'_> {
                 false => self.command([modes::start(self.of.mission)]),
             }
         } else {
-            self.said
+            self.news
                 .push_back("has no landing in its mission: it circles where it is".to_owned());
             self.instruct(Instruction::Hold);
         }
@@ -261,10 +261,10 @@ impl FlightVehicle<'_> {
             (comes, away_m > arrival::LEFT_M)
         };
         match (self.stay.loiters, comes, is_off) {
-            (false, true, _) => self.said.push_back(End::Loitering.sentence()),
+            (false, true, _) => self.news.push_back(End::Loitering.sentence()),
             (true, _, true) => {
                 let text = "does not stay at the end of its mission any more";
-                self.said.push_back(text.to_owned());
+                self.news.push_back(text.to_owned());
             }
             _ => {}
         }

@@ -29,9 +29,9 @@ impl FlightVehicle<'_> {
     pub(super) fn heed_height(&mut self, position: &Position, is_away: bool) -> bool {
         self.heed_standing(position);
         let risen_m = self.motors.height.risen_m(position);
-        let said = self.motors.height.said(self.now);
+        let state = self.motors.height.landed_state(self.now);
         let says_up = [LandedState::IN_AIR, LandedState::TAKEOFF].map(Some);
-        let has_lifted = says_up.contains(&said) && risen_m > LIFTED_M;
+        let has_lifted = says_up.contains(&state) && risen_m > LIFTED_M;
         self.motors.height.is_up = is_away || has_lifted || risen_m > AIRBORNE_M;
         self.motors.height.is_up
     }
@@ -49,7 +49,7 @@ impl FlightVehicle<'_> {
 
     /// Whether its last word is that it is in the air.
     pub(super) fn says_in_air(&self) -> bool {
-        self.motors.height.said(self.now) == Some(LandedState::IN_AIR)
+        self.motors.height.landed_state(self.now) == Some(LandedState::IN_AIR)
     }
 
     /// It says that it is in the air, or which item it has reached: where its height is not known that shows its takeoff.
@@ -65,7 +65,7 @@ impl FlightVehicle<'_> {
         let is_past = |row: usize| takeoff.is_some_and(|index| row > index);
         if self.says_in_air() || reached.is_some_and(is_past) {
             self.airborne = true;
-            self.said
+            self.news
                 .push_back("took off by its own word: its position is not known".to_owned());
         }
     }
@@ -75,7 +75,7 @@ impl FlightVehicle<'_> {
         if !self.motors.ended || self.motors.run < BEATS || !self.motors.height.is_up {
             return;
         }
-        self.said
+        self.news
             .push_back("its motors run, and it is in the air: it is watched again".to_owned());
         let ordered = self.motors.if_airborne;
         let (height, agl_m) = (self.motors.height, self.motors.agl_m);
@@ -116,7 +116,7 @@ impl FlightVehicle<'_> {
         let run_on = since_s.is_some_and(|since_s| since_s >= RUNS_ON_S);
         if run_on && !self.motors.run_on {
             let text = "is on the ground, and its motors run on: keep away from it";
-            self.said.push_back(text.to_owned());
+            self.news.push_back(text.to_owned());
         }
         self.motors.run_on = run_on;
     }
@@ -133,7 +133,7 @@ impl FlightVehicle<'_> {
             return false;
         };
         let is_long = |(since_s, _): (f64, f64)| fix.t_s - since_s >= STANDS_S;
-        let says_down = self.motors.height.said(self.now) == Some(LandedState::ON_GROUND);
+        let says_down = self.motors.height.landed_state(self.now) == Some(LandedState::ON_GROUND);
         let rests = says_down || !self.says_in_air() && fix.speed_mps <= RESTS_MPS;
         rests && self.motors.low.is_some_and(is_long)
     }

@@ -64,7 +64,7 @@ impl Height {
     }
 
     /// What it says of ground and air, if that is not too old.
-    pub(super) fn said(&self, now: Time) -> Option<LandedState> {
+    pub(super) fn landed_state(&self, now: Time) -> Option<LandedState> {
         let fresh = self.landed.filter(|(_, at)| now - *at <= SAID_MS);
         fresh.map(|(state, _)| state)
     }

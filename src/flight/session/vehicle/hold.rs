@@ -104,7 +104,7 @@ impl FlightVehicle<'_> {
             self.hold.anchor = rest.or(self.hold.anchor);
             self.orbit = Orbit::default();
             let text = format!("does not hold any more: {why}");
-            return self.said.push_back(text);
+            return self.news.push_back(text);
         }
         self.heed_left("hold", in_mode);
         self.holds = if self.of.mission.airframe.has_wing() {
@@ -114,7 +114,7 @@ impl FlightVehicle<'_> {
         };
         if self.holds {
             self.hold.anchor = rest;
-            return self.said.push_back("holds".to_owned());
+            return self.news.push_back("holds".to_owned());
         }
         self.order_again(in_mode, modes::hold(self.of.mission));
         self.report_missing_hold(t_s, fix, in_mode);
@@ -205,7 +205,7 @@ impl FlightVehicle<'_> {
             "its mode is another one; it is ordered again"
         };
         let (away_m, of_place) = (from.chord_m(fix.place), self.motors.height.of_place());
-        self.said.push_back(format!(
+        self.news.push_back(format!(
             "hold not confirmed: {why} ({away_m:.0} m from where it was ordered to{of_place})"
         ));
     }
@@ -238,7 +238,7 @@ impl FlightVehicle<'_> {
             return;
         }
         self.hold.is_reported = true;
-        self.said.push_back(format!(
+        self.news.push_back(format!(
             "{what} not confirmed: its mode is another one; it is ordered again"
         ));
     }

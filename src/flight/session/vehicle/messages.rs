@@ -174,7 +174,7 @@ impl FlightVehicle<'_> {
                     let at = self
                         .stop_here()
                         .map_or_else(String::new, |id| format!(" (stop {id})"));
-                    self.said.push_back(format!("item {row} reached{at}"));
+                    self.news.push_back(format!("item {row} reached{at}"));
                     self.progress.take_reached(row, t_s);
                 }
             }
@@ -319,7 +319,7 @@ impl FlightVehicle<'_> {
         ) {
             if is_up && !self.airborne {
                 self.airborne = true;
-                self.said.push_back("took off".to_owned());
+                self.news.push_back("took off".to_owned());
             }
             if fix.t_s >= 0.0 {
                 self.record_fix(fix);

@@ -72,6 +72,6 @@ impl FlightVehicle<'_> {
                 "landing not confirmed: it is in the mode, and has not come down for {since_s:.0} s"
             ),
         };
-        self.said.push_back(text);
+        self.news.push_back(text);
     }
 }

@@ -14,7 +14,7 @@ impl FlightVehicle<'_> {
     /// It could not be started at its departure: others are not where the verdict has them by now.
     pub(in crate::flight) fn stays_behind(&mut self, after_s: f64) {
         let why = format!("was not started: its departure was {after_s:.0} s ago");
-        self.said
+        self.news
             .push_back(format!("{why}, and it stays on the ground"));
         self.disarm(Some(End::Failed(why)));
     }
@@ -22,7 +22,7 @@ impl FlightVehicle<'_> {
     /// Says that it is on its mission again, although it was ordered to leave it.
     pub(in crate::flight) fn say_taken_back(&mut self) {
         if self.taken_back.take().is_some() {
-            self.said.push_back("is on its mission again".to_owned());
+            self.news.push_back("is on its mission again".to_owned());
         }
     }
 
@@ -90,13 +90,13 @@ impl FlightVehicle<'_> {
             Stage::Arming => self.retry_arming(what),
             Stage::Disarming(_) => self.refuse_to_disarm(what),
             Stage::Starting if self.airborne || (self.in_mission && is_armed) => {
-                self.said
+                self.news
                     .push_back(format!("{what}, and flies all the same"));
                 self.stage = Stage::Flying;
             }
             Stage::Starting => self.disarm(Some(End::Failed(what.to_owned()))),
             _ if self.instruction.is_some() && !self.hold.is_news(what) => {}
-            _ => self.said.push_back(what.to_owned()),
+            _ => self.news.push_back(what.to_owned()),
         }
     }
 }

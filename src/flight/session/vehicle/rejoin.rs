@@ -40,7 +40,7 @@ impl FlightVehicle<'_> {
         self.flown.end = End::of_words(&ended.end);
         self.flown.until_s = ended.t_s;
         (self.motors.ended, self.motors.is_recorded) = (!is_recorded, is_recorded);
-        self.said
+        self.news
             .push_back(format!("its flight is over: {}", self.flown.end.sentence()));
         self.stage = Stage::Ended;
     }
@@ -49,7 +49,7 @@ impl FlightVehicle<'_> {
     pub(in crate::flight::session) fn give_up_unheard(&mut self) {
         let text =
             "was not heard since the flight was taken over: whether it is in the air is not known";
-        self.said.push_back(text.to_owned());
+        self.news.push_back(text.to_owned());
         self.motors.is_unheard = true;
         self.stage = Stage::Ended;
     }
@@ -99,7 +99,7 @@ impl FlightVehicle<'_> {
                 }
             }
             (true, _) => {
-                self.said.push_back("is armed on the ground".to_owned());
+                self.news.push_back("is armed on the ground".to_owned());
                 self.stage = Stage::Armed;
                 if ordered.is_some() {
                     self.disarm(None);
@@ -107,7 +107,7 @@ impl FlightVehicle<'_> {
             }
             (false, true) => {
                 let end = self.landing();
-                self.said
+                self.news
                     .push_back("came down while nobody watched".to_owned());
                 self.end(end);
             }
@@ -137,7 +137,7 @@ impl FlightVehicle<'_> {
             true => "is not ordered again: hold or land it",
             false => "is ordered again",
         };
-        self.said.push_back(format!(
+        self.news.push_back(format!(
             "is watched again: it flies its mission although it was ordered to {verb}, which {what}"
         ));
         if !is_return {
@@ -169,6 +169,6 @@ impl FlightVehicle<'_> {
             self.left = true;
             format!("is off its mission, in {mode}")
         };
-        self.said.push_back(format!("is watched again: it {text}"));
+        self.news.push_back(format!("is watched again: it {text}"));
     }
 }

@@ -66,14 +66,14 @@ impl Texts {
 impl FlightVehicle<'_> {
     pub(super) fn take_text(&mut self, severity: u8, text: &str) {
         if self.texts.passes(usize::from(severity > ERROR)) {
-            self.said.push_back(text.to_owned());
+            self.news.push_back(text.to_owned());
         }
     }
 
     /// Says what it does, which it may do over and over.
     pub(super) fn say_often(&mut self, text: String) {
         if self.texts.passes(2) {
-            self.said.push_back(text);
+            self.news.push_back(text);
         }
     }
 
@@ -81,15 +81,15 @@ impl FlightVehicle<'_> {
     pub(super) fn say_mode(&mut self, text: &str) {
         self.texts.modes = self.texts.modes.saturating_add(1);
         if self.texts.modes <= MAX_MODES {
-            self.said.push_back(text.to_owned());
+            self.news.push_back(text.to_owned());
         }
     }
 
     /// Takes back the text that came last, if it was not dropped.
     pub(in crate::flight) fn unsay(&mut self) {
         let says = |text: &String| text.starts_with("says: ");
-        if self.said.back().is_some_and(says) {
-            self.said.pop_back();
+        if self.news.back().is_some_and(says) {
+            self.news.pop_back();
         }
     }
 
@@ -102,7 +102,7 @@ impl FlightVehicle<'_> {
         self.invalid_positions += 1;
         if self.invalid_positions == 1 {
             let place = position.place();
-            self.said.push_back(format!(
+            self.news.push_back(format!(
                 "sent a position that cannot be: latitude {:.7}, longitude {:.7}, {:.0} m AMSL; it is not used",
                 place.lat_deg,
                 place.lon_deg,
@@ -113,12 +113,12 @@ impl FlightVehicle<'_> {
 
     /// At the end of its flight.
     pub(super) fn say_what_was_dropped(&mut self) {
-        self.said.extend(self.texts.sentence());
-        self.said.extend(self.texts.modes_sentence());
+        self.news.extend(self.texts.sentence());
+        self.news.extend(self.texts.modes_sentence());
         (self.texts.dropped, self.texts.modes) = (0, 0);
         if self.invalid_positions > 1 {
             let count = self.invalid_positions;
-            self.said.push_back(format!(
+            self.news.push_back(format!(
                 "sent {count} positions that cannot be; none was used"
             ));
         }

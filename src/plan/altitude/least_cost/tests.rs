@@ -107,8 +107,8 @@ proptest! {
             prop_assert!(*cheap_m < roof_m.max(low_m + WIDER_M));
         }
         for (low_m, cheap_m) in decoded.rise_m.iter().zip(&cheapest.rise_m) {
-            let most_m = 0.3 * RUN_M * (1.0 + STEEPER);
-            prop_assert!(cheap_m.abs() < most_m.max(low_m.abs() + RISE_M));
+            let max_m = 0.3 * RUN_M * (1.0 + STEEPER);
+            prop_assert!(cheap_m.abs() < max_m.max(low_m.abs() + RISE_M));
         }
     }
 }

@@ -77,14 +77,14 @@ impl Floor {
         for pass in 0..=PASSES {
             let mut down_m = vec![0.0_f64; nodes_m.len()];
             for (&triangle, over) in triangles.iter().zip(over_each(&nodes_m)) {
-                let least_m = over.map_or(0.0, |(least_m, _)| least_m);
+                let min_m = over.map_or(0.0, |(min_m, _)| min_m);
                 for node in mesh.triangles[triangle] {
-                    down_m[node] = down_m[node].max(-least_m);
+                    down_m[node] = down_m[node].max(-min_m);
                 }
             }
             if pass == PASSES {
-                let most_m = down_m.iter().copied().fold(0.0, f64::max);
-                down_m.fill(most_m);
+                let max_m = down_m.iter().copied().fold(0.0, f64::max);
+                down_m.fill(max_m);
             }
             for (at_m, down_m) in nodes_m.iter_mut().zip(down_m) {
                 *at_m -= down_m;
@@ -96,8 +96,8 @@ impl Floor {
         }
         let mut below_m = vec![0.0; mesh.triangles.len()];
         for (&triangle, over) in triangles.iter().zip(over_each(&nodes_m)) {
-            let most_m = over.map_or(0.0, |(_, most_m)| most_m);
-            below_m[triangle] = most_m.max(0.0);
+            let max_m = over.map_or(0.0, |(_, max_m)| max_m);
+            below_m[triangle] = max_m.max(0.0);
         }
         Self { nodes_m, below_m }
     }
@@ -225,7 +225,7 @@ impl Ground for Nodes<'_> {
         let [a, b, c] = corners;
         let sides_m = [distance(b, c), distance(c, a), distance(a, b)];
         let out = sides_m.map(|side_m| -self.cell_m * side_m / area_m2);
-        let (mut least_m, mut most_m) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut min_m, mut max_m) = (f64::INFINITY, f64::NEG_INFINITY);
         for row in range(0) {
             for column in range(1) {
                 let Some((at, height_m)) = self.of_row_column(row, column) else {
@@ -234,11 +234,11 @@ impl Ground for Nodes<'_> {
                 let shares = shares(corners, at);
                 if shares.iter().zip(out).all(|(share, out)| *share >= out) {
                     let over_m = height_m - mixed(shares, plane_m);
-                    (least_m, most_m) = (least_m.min(over_m), most_m.max(over_m));
+                    (min_m, max_m) = (min_m.min(over_m), max_m.max(over_m));
                 }
             }
         }
-        (least_m <= most_m).then_some((least_m - BEND_M, most_m + BEND_M))
+        (min_m <= max_m).then_some((min_m - BEND_M, max_m + BEND_M))
     }
 
     fn at_m(&self, at: Point) -> Option<f64> {
@@ -282,17 +282,17 @@ impl Ground for Hills<'_> {
         let side_m = distance(a, b).max(distance(b, c)).max(distance(c, a)) / f64::from(PIECES);
         // Between the corners of a triangle of that side, at most.
         let bend_m = side_m * side_m / 6.0 * self.bend(corners) + BEND_M;
-        let (mut least_m, mut most_m) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut min_m, mut max_m) = (f64::INFINITY, f64::NEG_INFINITY);
         for first in 0..=PIECES {
             for second in 0..=PIECES - first {
                 let share = |pieces: u32| f64::from(pieces) / f64::from(PIECES);
                 let shares = [share(first), share(second), share(PIECES - first - second)];
                 let at = [0, 1].map(|axis| mixed(shares, corners.map(|corner| corner[axis])));
                 let over_m = self.at_m(at)? - mixed(shares, plane_m);
-                (least_m, most_m) = (least_m.min(over_m), most_m.max(over_m));
+                (min_m, max_m) = (min_m.min(over_m), max_m.max(over_m));
             }
         }
-        Some((least_m - bend_m, most_m + bend_m))
+        Some((min_m - bend_m, max_m + bend_m))
     }
 
     fn at_m(&self, [east_m, north_m]: Point) -> Option<f64> {

@@ -104,7 +104,7 @@ pub(in crate::plan) fn certify(
 ) -> Vec<RouteBound> {
     let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
     let top_m = world.max_amsl.0;
-    let slopes = -limits.descent.most_by_shape(top_m)..=limits.climb.most_by_shape(top_m);
+    let slopes = -limits.descent.max_by_shape(top_m)..=limits.climb.max_by_shape(top_m);
     let all = count(routes.len());
     let certificate = |(index, ends): (usize, (PlanPoint, PlanPoint))| {
         if spec.planner.objective == Objective::Paper
@@ -244,8 +244,8 @@ impl Route<'_> {
         if let Some(floor) = &floor {
             let Amsl(top_m) = self.world.max_amsl;
             for (used, corners) in used.iter_mut().zip(&mesh.triangles) {
-                let (least_m, _) = extent(corners.map(|node| floor.nodes_m[node]));
-                *used &= least_m <= top_m;
+                let (min_m, _) = extent(corners.map(|node| floor.nodes_m[node]));
+                *used &= min_m <= top_m;
             }
         }
         Stage { mesh, floor, used }
@@ -294,13 +294,12 @@ impl Route<'_> {
                     is_open.push(*used);
                     continue;
                 };
-                let (least_km, most_km) = extent(corners.map(|node| floor_km[node]));
-                let (least_m, most_m) =
-                    (1000.0 * (least_km + bottom_km), 1000.0 * (most_km + top_km));
+                let (min_km, max_km) = extent(corners.map(|node| floor_km[node]));
+                let (min_m, max_m) = (1000.0 * (min_km + bottom_km), 1000.0 * (max_km + top_km));
                 let lid_m = self
                     .closures
                     .lid_m(corners.map(|node| stage.mesh.nodes[node]));
-                is_open.push(least_m <= self.world.max_amsl.0 && most_m >= lid_m);
+                is_open.push(min_m <= self.world.max_amsl.0 && max_m >= lid_m);
             }
         }
         is_open
@@ -365,8 +364,8 @@ fn levels_km_of(stage: &Stage) -> Vec<f64> {
         .zip(&stage.used)
         .filter(|(_, used)| **used);
     let heights = used.flat_map(|(corners, _)| corners.map(|node| floor.nodes_m[node]));
-    let (least_m, most_m) = extent(heights);
-    let varies_m = most_m - least_m;
+    let (min_m, max_m) = extent(heights);
+    let varies_m = max_m - min_m;
     if varies_m.is_nan() || varies_m <= FLAT_M || varies_m.is_infinite() {
         return vec![0.0];
     }

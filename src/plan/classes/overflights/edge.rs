@@ -72,8 +72,8 @@ impl Graph<'_> {
             })
         };
         let ground_m: Vec<f64> = (0..=count).map(height_m).collect();
-        let least_m = world.min_agl.0 + self.context.margins.clearance_m;
-        let floors = ground_m.iter().map(|m| layer.floor_m(m + least_m));
+        let min_m = world.min_agl.0 + self.context.margins.clearance_m;
+        let floors = ground_m.iter().map(|m| layer.floor_m(m + min_m));
         Pieces {
             count,
             length_m: length_m / as_f64(count),

@@ -13,14 +13,14 @@ fn with_problem(windows: bool, act: impl FnOnce(&Horizontal<'_>)) {
     let text = include_str!("../../../../missions/first.yaml").to_owned();
     let file = SpecFile::parse(Path::new("first.yaml"), text).expect("a shipped mission");
     let world = World::new(&file.spec, Terrain::Flat(crate::geodesy::Amsl(584.0))).expect("ground");
-    let stations = &world.stations[0];
+    let fixed_points = &world.fixed_points[0];
     let context = RouteContext {
         world: &world,
         spec: &file.spec,
         index: 0,
         ends: RouteEnds {
-            from: stations.start,
-            to: stations.goal,
+            from: fixed_points.start,
+            to: fixed_points.goal,
             start_s: 0.0,
         },
         earlier: EarlierFlights::none(),

@@ -162,12 +162,12 @@ fn part(circles: &mut [Circle]) {
         for index in 1..circles.len() {
             let (from, to) = (circles[index - 1], circles[index]);
             let between = to.center - from.center;
-            let (apart_m, least_m) = (between.norm(), (from.legs_m - to.legs_m).abs());
-            if from.legs_m * to.legs_m >= 0.0 || apart_m > least_m || apart_m <= 0.0 {
+            let (apart_m, min_m) = (between.norm(), (from.legs_m - to.legs_m).abs());
+            if from.legs_m * to.legs_m >= 0.0 || apart_m > min_m || apart_m <= 0.0 {
                 continue;
             }
             are_parted = false;
-            let each = between * (0.5 * (PARTED * least_m - apart_m) / apart_m);
+            let each = between * (0.5 * (PARTED * min_m - apart_m) / apart_m);
             circles[index - 1].center -= each;
             circles[index].center += each;
             circles[index - 1].hold();
@@ -302,10 +302,10 @@ impl Circle {
     /// What it bends around stays within it.
     fn hold(&mut self) {
         let (at, around_m) = self.around;
-        let (away, most_m) = (self.center - at, (self.touches_m - around_m).max(0.0));
+        let (away, max_m) = (self.center - at, (self.touches_m - around_m).max(0.0));
         let away_m = away.norm();
-        if away_m > most_m {
-            self.center = at + away * (most_m / away_m);
+        if away_m > max_m {
+            self.center = at + away * (max_m / away_m);
         }
     }
 

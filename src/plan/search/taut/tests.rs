@@ -29,14 +29,14 @@ fn with_context<T>(
     (spec, world): (&MissionSpec, &World),
     act: impl FnOnce(&RouteContext<'_>) -> T,
 ) -> T {
-    let stations = &world.stations[0];
+    let fixed_points = &world.fixed_points[0];
     act(&RouteContext {
         world,
         spec,
         index: 0,
         ends: RouteEnds {
-            from: stations.start,
-            to: stations.goal,
+            from: fixed_points.start,
+            to: fixed_points.goal,
             start_s: 0.0,
         },
         earlier: EarlierFlights::none(),
@@ -75,7 +75,10 @@ fn swung(context: &RouteContext<'_>, by_m: f64) -> Found {
 fn past_a_corner_a_taut_path_is_as_long_as_the_shortest_way_around_it() {
     const BUFFER_M: f64 = 10.0;
     let (spec, mut world) = empty();
-    let ends = (world.stations[0].start.at, world.stations[0].goal.at);
+    let ends = (
+        world.fixed_points[0].start.at,
+        world.fixed_points[0].goal.at,
+    );
     let corner = left_of(ends, 0.4, 300.0);
     let outline = [
         corner,
@@ -103,11 +106,11 @@ fn past_a_corner_a_taut_path_is_as_long_as_the_shortest_way_around_it() {
             .map(|leg| (radius_m / leg).acos())
             .sum::<f64>();
     let tangents_m = legs_m.map(|leg| (leg * leg - radius_m * radius_m).sqrt());
-    let least_km = (tangents_m[0] + tangents_m[1] + radius_m * arc_rad) / 1000.0;
+    let min_km = (tangents_m[0] + tangents_m[1] + radius_m * arc_rad) / 1000.0;
     assert!(after.is_clean(), "{after:?}");
-    assert!(before.total() > 1.02 * least_km, "{before:?} {least_km}");
-    assert!(after.total() >= least_km, "{after:?} {least_km}");
-    assert!(after.total() < 1.003 * least_km, "{after:?} {least_km}");
+    assert!(before.total() > 1.02 * min_km, "{before:?} {min_km}");
+    assert!(after.total() >= min_km, "{after:?} {min_km}");
+    assert!(after.total() < 1.003 * min_km, "{after:?} {min_km}");
 }
 
 proptest! {
@@ -119,7 +122,7 @@ proptest! {
         by_m in -800.0..800.0_f64,
     ) {
         let (spec, mut world) = empty();
-        let ends = (world.stations[0].start.at, world.stations[0].goal.at);
+        let ends = (world.fixed_points[0].start.at, world.fixed_points[0].goal.at);
         let disc = |&(share, left_m, radius_m): &(f64, f64, f64)| Disc {
             center: left_of(ends, share, left_m),
             radius_m,

@@ -44,7 +44,7 @@ impl Pilot {
                 let sink_mps = before_mps * (1.0 - done) + limits.flare_sink_mps * done;
                 let sink_mps = sink_mps.max(limits.flare_sink_mps);
                 // With the motor off it slows down on its way.
-                self.fly_on(across_mps2, -sink_mps, limits.least_airspeed_mps);
+                self.fly_on(across_mps2, -sink_mps, limits.min_airspeed_mps);
             }
             None => {
                 let amsl_m = self.glide_m(&leg, at_m, limits);

@@ -1,6 +1,6 @@
 //! Obstacles that stand on the terrain, from files: masts, lines between masts, buildings.
 
-use super::super::super::airspace::{AttachedFile, Survey};
+use super::super::super::airspace::{AirspaceImport, AttachedFile};
 use super::super::super::keys;
 use super::super::super::{Placement, Zone};
 use super::super::map::Map;
@@ -63,14 +63,14 @@ impl Checker {
                 return;
             }
         };
-        let mut survey = Survey {
+        let mut import = AirspaceImport {
             file: keys.file.clone(),
-            ..Survey::default()
+            ..AirspaceImport::default()
         };
         for obstacle in found {
             if is_far(&obstacle.polygon(), 0.0, map) {
-                survey.out_of_reach += 1;
-                survey.exchanged += usize::from(is_exchanged(&obstacle.geometry(), map));
+                import.out_of_reach += 1;
+                import.exchanged += usize::from(is_exchanged(&obstacle.geometry(), map));
                 continue;
             }
             for (name, zone) in obstacle.zones() {
@@ -89,11 +89,11 @@ impl Checker {
                     part_of: Some(obstacle.whole.clone()),
                     ..zone
                 };
-                survey.zones.push(zone.id.clone());
+                import.zones.push(zone.id.clone());
                 map.no_fly.push(zone);
             }
         }
-        map.surveys.push(survey);
+        map.imports.push(import);
     }
 }
 

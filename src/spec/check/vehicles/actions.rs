@@ -53,8 +53,8 @@ impl Checker {
         let path = format!("{path}.payload_place");
         match (at.agl_m, max_descent_m) {
             // Out of its range it is reported already.
-            (Some(agl_m), Some(most_m)) if (1.0..agl_m).contains(&most_m) => {
-                let found = format!("{most_m} m, and the ground is {agl_m} m below");
+            (Some(agl_m), Some(max_m)) if (1.0..agl_m).contains(&max_m) => {
+                let found = format!("{max_m} m, and the ground is {agl_m} m below");
                 let allowed = "at least agl_m, or no limit";
                 self.report(&format!("{path}.max_descent_m"), found, allowed);
             }

@@ -41,27 +41,27 @@ impl Checker {
             ),
             false => String::new(),
         };
-        if let Some(Agl(most_m)) = limits.max_agl {
-            let least_m = area.min_agl.0 + both_m;
-            if most_m <= least_m {
+        if let Some(Agl(max_m)) = limits.max_agl {
+            let min_m = area.min_agl.0 + both_m;
+            if max_m <= min_m {
                 let allowed = format!(
                     "more than {} m: area.min_agl_m {} m{with_buffers}",
-                    plain(least_m),
+                    plain(min_m),
                     plain(area.min_agl.0)
                 );
-                self.report(&format!("{path}.max_agl_m"), plain(most_m), allowed);
+                self.report(&format!("{path}.max_agl_m"), plain(max_m), allowed);
             }
         }
-        if let Some(Amsl(least_m)) = limits.min_amsl {
-            let most_m = area.max_amsl.0 - both_m;
-            if least_m >= most_m {
+        if let Some(Amsl(min_m)) = limits.min_amsl {
+            let max_m = area.max_amsl.0 - both_m;
+            if min_m >= max_m {
                 let less = with_buffers.replacen(" and", " less", 1);
                 let allowed = format!(
                     "less than {} m: area.max_amsl_m {} m{less}",
-                    plain(most_m),
+                    plain(max_m),
                     plain(area.max_amsl.0)
                 );
-                self.report(&format!("{path}.min_amsl_m"), plain(least_m), allowed);
+                self.report(&format!("{path}.min_amsl_m"), plain(min_m), allowed);
             }
         }
     }

@@ -61,13 +61,10 @@ impl Checker {
         }
         for (index, &[speed_mps, power_w]) in keys.cruise.iter().enumerate() {
             let at = format!("{path}.cruise[{index}]");
-            let least_mps = level.last().map_or(0.0, |last: &(f64, f64)| last.0);
-            let is_good = speed_mps > least_mps && speed_mps <= 200.0;
+            let min_mps = level.last().map_or(0.0, |last: &(f64, f64)| last.0);
+            let is_good = speed_mps > min_mps && speed_mps <= 200.0;
             if !is_good {
-                let allowed = format!(
-                    "a speed above {} m/s, at most 200",
-                    digits::plain(least_mps)
-                );
+                let allowed = format!("a speed above {} m/s, at most 200", digits::plain(min_mps));
                 self.report(&at, digits::plain(speed_mps), allowed);
             }
             if !(0.0..=1_000_000.0).contains(&power_w) {

@@ -179,7 +179,7 @@ impl Checker {
         path: &str,
         keys: &keys::Vehicle,
         (start, goal): (LatLon, LatLon),
-        (stops, least_m): (&[Stop], f64),
+        (stops, min_m): (&[Stop], f64),
     ) {
         if stops.len() != keys.stops.len() {
             // A broken one is reported already.
@@ -200,12 +200,10 @@ impl Checker {
             before.extend(others);
             for (what, place) in before {
                 let apart_m = stop.end.place.chord_m(place);
-                if apart_m < least_m {
-                    let found = format!(
-                        "{} m from {what}",
-                        digits::distinct_from(apart_m, least_m, 1)
-                    );
-                    let allowed = format!("at least {least_m} m from {what}");
+                if apart_m < min_m {
+                    let found =
+                        format!("{} m from {what}", digits::distinct_from(apart_m, min_m, 1));
+                    let allowed = format!("at least {min_m} m from {what}");
                     self.report(&format!("{path}.stops[{index}]"), found, allowed);
                 }
             }

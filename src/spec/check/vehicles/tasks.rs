@@ -140,12 +140,12 @@ impl Checker {
         let [Some(from), Some(to)] = stops else {
             return;
         };
-        let least_m = super::MIN_START_TO_GOAL_M;
+        let min_m = super::MIN_START_TO_GOAL_M;
         let apart_m = from.end.place.chord_m(to.end.place);
-        if apart_m < least_m {
-            let apart = crate::numeric::digits::distinct_from(apart_m, least_m, 1);
+        if apart_m < min_m {
+            let apart = crate::numeric::digits::distinct_from(apart_m, min_m, 1);
             let found = format!("{apart} m from `from`");
-            let allowed = format!("at least {least_m} m from `from`");
+            let allowed = format!("at least {min_m} m from `from`");
             self.report(&format!("{path}.to"), found, allowed);
         }
     }
@@ -192,22 +192,22 @@ impl Checker {
     /// vehicles may share it.
     fn holds_together(&mut self, path: &str, task: &Task, (before, fleet): (&[Task], &[Vehicle])) {
         let able = fleet.iter().filter(|own| task.is_for(own));
-        let most_s = able.map(|own| f64::from(own.facts().acceptance.max_hold_s));
-        let most_s: f64 = most_s.sum();
+        let max_s = able.map(|own| f64::from(own.facts().acceptance.max_hold_s));
+        let max_s: f64 = max_s.sum();
         for (index, stop) in task.stops.iter().enumerate() {
             let is_there = |other: &&Stop| (other.end, other.drop_m) == (stop.end, stop.drop_m);
             let others = before.iter().flat_map(|task| &task.stops).filter(is_there);
             let others_s: f64 = others.map(|other| other.hold_s).sum();
             let sum_s = others_s + stop.hold_s;
             // Said once, where the sum becomes too large.
-            if others_s <= most_s && sum_s > most_s {
+            if others_s <= max_s && sum_s > max_s {
                 let key = match (task.stops.len(), index) {
                     (1, _) => "visit",
                     (_, 0) => "deliver.from",
                     _ => "deliver.to",
                 };
                 let found = format!("{sum_s} s with the tasks before it at this place");
-                let allowed = format!("at most {most_s} s at one place");
+                let allowed = format!("at most {max_s} s at one place");
                 self.report(&format!("{path}.{key}.hold_s"), found, allowed);
             }
         }

@@ -218,11 +218,11 @@ impl Pilot<'_> {
         let climbed_m = match mission.autopilot {
             Autopilot::ArduPilot => {
                 let climbed_m = above_m + param_si(mission, "RTL_CLIMB_MIN").max(0.0);
-                let least_m = climbed_m.max(MIN_RETURN_M);
-                let full_m = mission.param_si("RTL_ALT")?.max(least_m);
+                let min_m = climbed_m.max(MIN_RETURN_M);
+                let full_m = mission.param_si("RTL_ALT")?.max(min_m);
                 let slope = param_si(mission, "RTL_CONE_SLOPE");
                 let target_m = if slope >= MIN_CONE_SLOPE {
-                    full_m.min((away_m * slope).max(least_m))
+                    full_m.min((away_m * slope).max(min_m))
                 } else {
                     full_m
                 };

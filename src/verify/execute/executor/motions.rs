@@ -205,7 +205,7 @@ impl Pilot<'_> {
             course_rad,
             speed_mps,
             ..
-        } = self.stations.departure
+        } = self.fixed_points.departure
         else {
             return None;
         };

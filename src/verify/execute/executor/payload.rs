@@ -16,7 +16,7 @@ impl Pilot<'_> {
         &mut self,
         row: usize,
         place: LatLon,
-        most_m: Option<f64>,
+        max_m: Option<f64>,
         mission: &VehicleMission,
     ) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
@@ -38,7 +38,7 @@ impl Pilot<'_> {
         if ground_m >= top_m {
             return Unknown::err(row, "a place for a payload that is not below the vehicle");
         }
-        let bottom_m = most_m.map_or(ground_m, |most_m| ground_m.max(top_m - most_m));
+        let bottom_m = max_m.map_or(ground_m, |max_m| ground_m.max(top_m - max_m));
         let began_s = (self.trajectory.t_s, self.trajectory.late_s);
         let slow_mps = self.descent.slow_mps;
         let release_s = RELEASE_S + mission.param("PLDP_DELAY").unwrap_or(0.0).max(0.0);

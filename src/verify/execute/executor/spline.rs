@@ -33,12 +33,12 @@ struct Curve([Vector3<f64>; 4]);
 impl Curve {
     fn new(ends: [Vector3<f64>; 2], mut tangents: [Vector3<f64>; 2]) -> Self {
         let [from, to] = ends;
-        let (long_m, most_m) = (
+        let (long_m, max_m) = (
             tangents[0].norm() + tangents[1].norm(),
             TANGENTS * (to - from).norm(),
         );
-        if long_m > most_m {
-            tangents = tangents.map(|tangent| tangent * (most_m / long_m));
+        if long_m > max_m {
+            tangents = tangents.map(|tangent| tangent * (max_m / long_m));
         }
         let [leave, arrive] = tangents;
         Self([
@@ -282,13 +282,13 @@ impl Pilot<'_> {
             let (from, to) = (ends.curve.at(time(index - 1)), ends.curve.at(time(index)));
             let length_m = (to - from).norm();
             let left_m = (end - to).norm();
-            let most_mps = self
+            let max_mps = self
                 .speed_limit_mps(ends, time(index))
                 .min((last_mps * last_mps + 2.0 * accel_mps2 * left_m).sqrt());
             let change = 2.0 * accel_mps2 * length_m;
             let square = speed_mps * speed_mps;
             let next_mps =
-                most_mps.clamp((square - change).max(0.0).sqrt(), (square + change).sqrt());
+                max_mps.clamp((square - change).max(0.0).sqrt(), (square + change).sqrt());
             let duration_s = 2.0 * length_m / (speed_mps + next_mps).max(1e-6);
             let error_m = CHORD_ERROR_M + accel_mps2 * duration_s * duration_s / 8.0;
             // What it takes longer it loses along the way.

@@ -19,7 +19,7 @@ const SLOW_TAKEOFF_M: f64 = 10.0;
 const MIN_AHEAD_M: f64 = 20.0;
 
 /// How far PX4 climbs at least on rotors, metres (`Mission::calculate_takeoff_altitude`).
-fn least_takeoff_m(mission: &VehicleMission) -> f64 {
+fn min_takeoff_m(mission: &VehicleMission) -> f64 {
     let held = mission.param("MIS_TAKEOFF_ALT").filter(|m| m.is_finite());
     held.unwrap_or(MIN_TAKEOFF_M)
 }
@@ -46,8 +46,8 @@ impl Pilot<'_> {
     ) -> Result<(), Unknown> {
         let place = self.world.frame.from_plan(self.home.at);
         let (amsl_m, _) = self.resolve(row, place, height)?;
-        let least_m = self.home.amsl.0 + least_takeoff_m(mission);
-        self.take_off(row, None, Height::Sea(Amsl(amsl_m.max(least_m))), mission)
+        let min_m = self.home.amsl.0 + min_takeoff_m(mission);
+        self.take_off(row, None, Height::Sea(Amsl(amsl_m.max(min_m))), mission)
     }
 
     pub(crate) fn take_off(
@@ -70,7 +70,7 @@ impl Pilot<'_> {
         let amsl_m = match (self.vehicle.airframe, autopilot) {
             (Airframe::Copter, Autopilot::ArduPilot) => amsl_m.max(home.amsl.0 + MIN_CLIMB_M),
             (Airframe::Copter | Airframe::Vtol, Autopilot::Px4) => {
-                amsl_m.max(home.amsl.0 + least_takeoff_m(mission))
+                amsl_m.max(home.amsl.0 + min_takeoff_m(mission))
             }
             _ => amsl_m,
         };
@@ -123,7 +123,7 @@ impl Pilot<'_> {
 
     /// The route begins at its start, if the vehicle is there.
     fn begin_route(&mut self) {
-        if self.here().distance_m(self.stations.start) <= self.tolerance_m {
+        if self.here().distance_m(self.fixed_points.start) <= self.tolerance_m {
             self.phase = Phase::Route;
             self.mark();
         }

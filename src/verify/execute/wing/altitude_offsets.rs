@@ -141,7 +141,7 @@ impl Pilot<'_> {
                 behind.0.clear();
             } else {
                 let [before_up_mps, _] = behind.0.last().map_or([0.0; 2], |last| last.0);
-                let most_mps = [
+                let max_mps = [
                     rate_mps[0].max(before_up_mps),
                     behind.values(1).fold(rate_mps[1], f64::max),
                 ];
@@ -150,7 +150,7 @@ impl Pilot<'_> {
                     let left_m = lagged
                         .values(way)
                         .fold(lagged_m[way], |sum_m, more_m| sum_m + more_m);
-                    let offset_m = side * (self.lag_s * most_mps[way]).min(left_m);
+                    let offset_m = side * (self.lag_s * max_mps[way]).min(left_m);
                     if offset_m.abs() > TOLERANCE_M {
                         lines.push(line.raised(offset_m));
                     }

@@ -141,8 +141,8 @@ fn speed(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, Str
 /// them (`Plane::do_change_speed`).
 fn is_ignored(airspeed_mps: f64, mission: &VehicleMission) -> bool {
     let held = |name: &str| mission.param_si(name);
-    held("AIRSPEED_MIN").is_some_and(|least_mps| airspeed_mps < least_mps)
-        || held("AIRSPEED_MAX").is_some_and(|most_mps| airspeed_mps > most_mps)
+    held("AIRSPEED_MIN").is_some_and(|min_mps| airspeed_mps < min_mps)
+        || held("AIRSPEED_MAX").is_some_and(|max_mps| airspeed_mps > max_mps)
 }
 
 fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {

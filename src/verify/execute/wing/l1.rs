@@ -243,8 +243,8 @@ impl Guidance {
         (turns_rad, knots): (&[f64], &[Knot]),
         grounds_mps: &[f64],
     ) -> Vec<Fix> {
-        let least_s = lines.iter().zip(grounds_mps);
-        let least_s: f64 = least_s.map(|(line, speed)| line.length_m / speed).sum();
+        let min_s = lines.iter().zip(grounds_mps);
+        let min_s: f64 = min_s.map(|(line, speed)| line.length_m / speed).sum();
         // What is the same all along a leg: how far before its end the next is turned onto, and the speed through the air.
         let of_leg = |leg: usize| {
             let (line, speed_mps): (&Line, f64) = (&lines[leg], grounds_mps[leg]);
@@ -257,7 +257,7 @@ impl Guidance {
         let bank_share = 1.0 - (-STEP_S / self.bank_lag_s).exp();
         let (mut t_s, mut leg, mut fixes) = (0.0, 0, Vec::new());
         let (mut line, mut before_m, mut air_mps) = of_leg(leg);
-        while t_s < 2.0 * least_s + 60.0 {
+        while t_s < 2.0 * min_s + 60.0 {
             let gone_m = line.along(wing.at);
             if gone_m >= line.length_m || line.ends_within(before_m, wing.at) {
                 leg += 1;

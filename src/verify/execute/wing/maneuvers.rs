@@ -24,7 +24,7 @@ use crate::world::Terrain;
 const LANDING_M: f64 = 10.0;
 /// A climb-out and a glide are slopes so far above the ground at least, whatever `min_agl`, metres: with the lag of
 /// their climb under them they would begin below the ground.
-const LEAST_SLOPE_M: f64 = 20.0;
+const MIN_SLOPE_M: f64 = 20.0;
 /// Segments of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
 /// Ways onto a circle that are judged in space end no further apart than this, metres.
@@ -219,11 +219,11 @@ impl Pilot<'_> {
     /// required clearance and the part where the minimum height does. That begins above its lag: where the slope
     /// begins it is on the ground.
     fn in_two(&self, ground: &Knot, top: Knot, ground_m: f64) -> Vec<Knot> {
-        let least_m = match self.world.terrain {
+        let min_m = match self.world.terrain {
             Terrain::Unknown => 0.0,
-            _ => LEAST_SLOPE_M,
+            _ => MIN_SLOPE_M,
         };
-        let split_m = ground_m + (self.world.min_agl.0 / SLOPE_SHARE).max(least_m);
+        let split_m = ground_m + (self.world.min_agl.0 / SLOPE_SHARE).max(min_m);
         let sloping = |knot: Knot| Knot {
             slope_from_m: Some(ground_m),
             ..knot
@@ -323,7 +323,7 @@ impl Pilot<'_> {
             let course_rad = heading_rad(from.at, middle) - aside_rad;
             let tangent_m = (away_m * away_m - rim_m * rim_m).sqrt();
             along(from.at, course_rad, tangent_m)
-        } else if self.stations.departure.is_airborne() {
+        } else if self.fixed_points.departure.is_airborne() {
             // It is on its circle already.
             along(middle, outward_rad, rim_m)
         } else {
@@ -424,7 +424,7 @@ impl Pilot<'_> {
         self.flight.rounds.push(Round {
             segment: self.trajectory.segments.len(),
             radius_m: rim_m,
-            least_m: turn_radius_at_m(self.vehicle, rim.speed_mps, Amsl(rim.amsl_m)),
+            min_m: turn_radius_at_m(self.vehicle, rim.speed_mps, Amsl(rim.amsl_m)),
         });
         let step_rad = (8.0 * CHORD_ERROR_M / rim_m).sqrt();
         #[expect(

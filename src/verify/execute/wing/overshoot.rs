@@ -82,15 +82,15 @@ impl Pilot<'_> {
         };
         let course_rad = heading_rad(hull.middle.at, place.at);
         let away_m = hull.middle.at.distance_m(place.at);
-        let most_rad = (hull.reach_m / away_m).min(1.0).asin();
-        let steps = i32::from(geometry::steps(most_rad, ARRIVAL_RAD, (1, 9)));
+        let max_rad = (hull.reach_m / away_m).min(1.0).asin();
+        let steps = i32::from(geometry::steps(max_rad, ARRIVAL_RAD, (1, 9)));
         let on = leg + 1;
         let end = (on + ARRIVAL_LEGS).min(knots.len() - 1);
         let turn_rad = Line::new(before.at, place.at).turn_rad(&Line::new(place.at, next.at));
         // The lag of the leg to the place is still there on those after it.
         let (lines, times) = (self.leg_lines(knots, firsts)?, self.times_s(firsts));
         for step in -steps..=steps {
-            let off_rad = most_rad * f64::from(step) / f64::from(steps);
+            let off_rad = max_rad * f64::from(step) / f64::from(steps);
             let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
             let mut known = Vec::new();
             for guidance in guidance.variants(self.vehicle.autopilot_version) {

@@ -74,7 +74,7 @@ fn covered(
         place: world.frame.from_plan(gap.at),
         amsl: world
             .terrain
-            .height(world.frame.from_plan(gap.at))
+            .height_at(&world.frame, gap.at)
             .unwrap_or(Amsl(0.0)),
         t_s: 0.0,
         item: 0,
@@ -221,9 +221,9 @@ impl Contract<'_> {
     }
 }
 
-fn too_low(leg: usize, sweep: &Sweep, least_m: f64) -> String {
+fn too_low(leg: usize, sweep: &Sweep, min_m: f64) -> String {
     format!(
-        "leg {leg} is flown lower than {least_m:.1} m above ground (agl_m {} less mission.tolerance_m)",
+        "leg {leg} is flown lower than {min_m:.1} m above ground (agl_m {} less mission.tolerance_m)",
         sweep.agl.0
     )
 }
@@ -242,13 +242,13 @@ fn flown(
     let lines = layout.lines.iter();
     let total: usize = lines.clone().map(|line| line.points.len() - 1).sum();
     let near_m = mission::corner_cut_m(&spec.mission).max(spec.mission.tolerance_m) + 1.0;
-    let least_m = sweep.agl.0 - spec.mission.tolerance_m - LOWER_M;
+    let min_m = sweep.agl.0 - spec.mission.tolerance_m - LOWER_M;
     let best = contracts
         .iter()
         .filter(|contract| task.is_for(contract.vehicle))
         .map(|contract| {
-            let legs = |line: &SweepLine, least_m: f64| {
-                let near = (near_m, least_m..=MAX_ABOVE * sweep.agl.0);
+            let legs = |line: &SweepLine, min_m: f64| {
+                let near = (near_m, min_m..=MAX_ABOVE * sweep.agl.0);
                 let forwards = contract.legs(&line.points, &near);
                 let backwards = match line.is_reversible {
                     true => {
@@ -259,8 +259,8 @@ fn flown(
                 };
                 forwards.max(backwards)
             };
-            let from = |least_m: f64| lines.clone().map(|line| legs(line, least_m)).sum::<usize>();
-            let flown = from(least_m);
+            let from = |min_m: f64| lines.clone().map(|line| legs(line, min_m)).sum::<usize>();
+            let flown = from(min_m);
             let at_any_height = if flown < total {
                 from(f64::NEG_INFINITY)
             } else {
@@ -281,7 +281,7 @@ fn flown(
         },
         Some((legs, at_any_height, contract)) => Margin {
             note: match (legs < total, at_any_height > legs) {
-                (true, true) => too_low(legs + 1, sweep, least_m),
+                (true, true) => too_low(legs + 1, sweep, min_m),
                 (true, false) => format!(
                     "leg {} is not flown in order within {near_m:.0} m",
                     legs + 1
@@ -327,10 +327,7 @@ impl Contract<'_> {
         (near_m, above_m): &Near,
     ) -> Option<(usize, f64)> {
         let height_m = |point: PlanPoint| {
-            let ground = self
-                .world
-                .terrain
-                .height(self.world.frame.from_plan(point.at));
+            let ground = self.world.terrain.height_at(&self.world.frame, point.at);
             ground.map_or(f64::INFINITY, |ground| point.amsl.above_ground(ground).0)
         };
         (first..segments.len()).find_map(|index| {

@@ -179,7 +179,7 @@ impl Contract<'_> {
         for place in self.mission.rally.iter().filter_map(Item::place) {
             let at = Moment {
                 place,
-                amsl: self.stations.home.amsl,
+                amsl: self.fixed_points.home.amsl,
                 t_s: 0.0,
                 item: 0,
             };

@@ -11,7 +11,7 @@ impl Contract<'_> {
     /// an item or at the end of a mission in the air, a breach would change nothing.
     pub(super) fn comes_to_param_fence(&self) -> Option<(AcceptanceProblem, Moment)> {
         let fence = ParamFence::of(self.mission).filter(|fence| fence.acts)?;
-        let home = self.stations.home;
+        let home = self.fixed_points.home;
         let mut was_above = false;
         self.flight.segments.iter().find_map(|segment| {
             let item = self.mission.items.get(segment.row.checked_sub(1)?)?;

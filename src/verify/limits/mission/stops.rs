@@ -96,17 +96,17 @@ impl Contract<'_> {
 
     /// The stops, and start and goal where something is done there.
     pub(super) fn with_ends(&self) -> Vec<(Stop, PlanPoint)> {
-        let (vehicle, stations) = (self.vehicle, self.stations);
-        let is_on_ground = !stations.departure.is_airborne();
+        let (vehicle, fixed_points) = (self.vehicle, self.fixed_points);
+        let is_on_ground = !fixed_points.departure.is_airborne();
         let start = vehicle.start_stop().filter(|_| is_on_ground);
         let stops = vehicle
             .stops
             .iter()
             .cloned()
-            .zip(stations.stops.iter().copied())
+            .zip(fixed_points.stops.iter().copied())
             .map(|(stop, end)| (stop.clone(), stop.below(end)));
-        let goal = vehicle.goal_stop().map(|stop| (stop, stations.goal));
-        let start = start.map(|stop| (stop, stations.start));
+        let goal = vehicle.goal_stop().map(|stop| (stop, fixed_points.goal));
+        let start = start.map(|stop| (stop, fixed_points.start));
         start.into_iter().chain(stops).chain(goal).collect()
     }
 

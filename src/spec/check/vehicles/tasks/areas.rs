@@ -194,20 +194,20 @@ impl Checker {
         let agl_m = self.required(path, "agl_m", agl_m)?;
         let at = format!("{path}.agl_m");
         if let Some(map) = map {
-            let least_m = map.area.min_agl.0 + map.buffers.terrain_m;
-            if agl_m < least_m {
+            let min_m = map.area.min_agl.0 + map.buffers.terrain_m;
+            if agl_m < min_m {
                 let allowed = format!(
                     "at least {} m: area.min_agl_m and buffer_m.terrain",
-                    digits::plain(least_m)
+                    digits::plain(min_m)
                 );
                 self.report(&at, digits::plain(agl_m), allowed);
             }
             let most = map.area.altitudes.max_agl;
-            let most_m = most.map_or(f64::INFINITY, |most| most.0 - map.buffers.ceiling_m);
-            if agl_m > most_m {
+            let max_m = most.map_or(f64::INFINITY, |most| most.0 - map.buffers.ceiling_m);
+            if agl_m > max_m {
                 let allowed = format!(
                     "at most {} m: area.max_agl_m less buffer_m.ceiling",
-                    digits::plain(most_m)
+                    digits::plain(max_m)
                 );
                 self.report(&at, digits::plain(agl_m), allowed);
             }

@@ -17,14 +17,14 @@ const BETWEEN: u8 = 20;
 
 /// The positions that are sent with one system id.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Twins {
+pub(crate) struct SharedId {
     /// The last one, and the last of those that did not go on from it: time since boot, milliseconds, and place.
     last: [Option<(u32, LatLon)>; 2],
     changes: u8,
     since: u8,
 }
 
-impl Twins {
+impl SharedId {
     /// Takes in a position; whether they come from two vehicles in turn.
     pub(crate) fn take(&mut self, position: &Position) -> bool {
         if !position.is_known() {
@@ -82,8 +82,10 @@ mod tests {
     }
 
     fn are_two(positions: impl IntoIterator<Item = Position>) -> bool {
-        let mut twins = Twins::default();
-        positions.into_iter().any(|position| twins.take(&position))
+        let mut shared_id = SharedId::default();
+        positions
+            .into_iter()
+            .any(|position| shared_id.take(&position))
     }
 
     /// One at 15 m/s, four positions a second.

@@ -17,7 +17,7 @@ use crate::report::json_text;
 const MAX_DIFFERENCES: usize = 5;
 
 /// The result of a transfer to a fleet.
-pub(crate) struct Delivery {
+pub(crate) struct FleetTransfer {
     pub(crate) reports: Vec<TransferReport>,
 }
 
@@ -45,7 +45,7 @@ fn lines(report: &TransferReport) -> Vec<String> {
         .collect()
 }
 
-impl Delivery {
+impl FleetTransfer {
     /// The document of a transfer that never began.
     pub(crate) fn nothing(reason: &str) -> Value {
         json!({
