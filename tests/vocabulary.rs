@@ -41,6 +41,8 @@ const GIVEN_UP: &[&str] = &[
     "author",
     "script",
 ];
+/// Words that no identifier of several begins with: a bound is `min` or `max`.
+const NO_PREFIX: &[&str] = &["most", "least"];
 /// Phrases of comments, messages and documentation.
 const PHRASES: &[&str] = &[
     "told",
@@ -55,13 +57,19 @@ const PHRASES: &[&str] = &[
     "room of the house",
 ];
 /// Identifiers in which such a word is the field's own: ArduPlane's TECS and its parameters,
-/// scripts of Unicode.
+/// scripts of Unicode, what is least or most of its kind.
 const REAL: &[&str] = &[
     "tecs",
     "TECS",
     "MixedScript",
     "is_single_script",
     "one_script",
+    "least_cost",
+    "LeastCost",
+    "most_promising",
+    "most_violated",
+    "most_regretted",
+    "most_important",
 ];
 
 /// The words of an identifier in snake or camel case, lower case.
@@ -98,7 +106,9 @@ fn identifiers_use_the_words_of_the_field() {
                 GIVEN_UP.contains(&word.as_str()) || GIVEN_UP.contains(&singular)
             };
             let is_real = REAL.iter().any(|real| identifier.starts_with(real));
-            if !is_real && words(identifier).iter().any(is_given_up) {
+            let words = words(identifier);
+            let is_prefixed = words.len() > 1 && NO_PREFIX.contains(&words[0].as_str());
+            if !is_real && (is_prefixed || words.iter().any(is_given_up)) {
                 *found
                     .entry((file.name.clone(), identifier.to_owned()))
                     .or_default() += 1;

@@ -29,9 +29,9 @@ pub struct Acceptance {
     pub command_frames: Option<&'static [u8]>,
     /// Commands to which latitude 0, longitude 0 means the place where the vehicle is.
     /// Mission Planner writes takeoffs in this way.
-    pub here: &'static [u16],
+    pub zero_is_here: &'static [u16],
     /// Commands to which it means no place. Mission Planner writes the starts of landings in this way.
-    pub placeless: &'static [u16],
+    pub zero_is_no_place: &'static [u16],
     /// Whether NaN means "the default" in every parameter.
     pub any_nan: bool,
     /// The parameters that it reads, where it refuses numbers in others.
@@ -48,7 +48,7 @@ pub struct Acceptance {
     pub needs_takeoff: bool,
     /// The commands that may come before the takeoff, where no others may.
     pub before_takeoff: Option<&'static [u16]>,
-    /// Whether there may be one start of a landing alone, before a landing, and no return after it.
+    /// Whether there may be at most one `DO_LAND_START`, only before a landing, and no return after it.
     pub one_land_start: bool,
     /// The commands that land the airframe as planned.
     pub landings: &'static [u16],

@@ -41,7 +41,7 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     location_frames: &[0, 3, 5, 6, 10, 11],
     command_frames: None,
     // `ModeAuto::loc_from_cmd`.
-    here: &[
+    zero_is_here: &[
         command::NAV_WAYPOINT,
         command::NAV_LOITER_UNLIM,
         command::NAV_LOITER_TIME,
@@ -54,7 +54,7 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
         command::NAV_VTOL_TAKEOFF,
     ],
     // `AP_Mission::get_landing_sequence_start`, `Location::initialised`.
-    placeless: &[
+    zero_is_no_place: &[
         command::DO_RETURN_PATH_START,
         command::DO_LAND_START,
         command::DO_SET_ROI_LOCATION,
@@ -102,7 +102,7 @@ const PLANE_ACCEPTANCE: Acceptance = Acceptance {
     never_waits: true,
     whole_numbers: true,
     // A QuadPlane climbs where it is, whatever the place says (`QuadPlane::do_vtol_takeoff`).
-    here: &[
+    zero_is_here: &[
         command::NAV_TAKEOFF,
         command::NAV_LAND,
         command::NAV_VTOL_TAKEOFF,

@@ -272,7 +272,7 @@ pub static COMMANDS: &[CommandRow] = &[
     px4((187, "DO_SET_ACTUATOR"), Moves),
     row((188, "DO_RETURN_PATH_START"), NoMotion, Some(STORED), None),
     // PX4: frame 2 alone (`command_frames` in px4.rs). ArduPilot: 2 and those of places. Of the whole mission: `one_land_start`,
-    // `placeless` and `before_takeoff` of `Acceptance`, and for wings `mission/accept/wing.rs`. Its parameters: `read_parameters.rs`.
+    // `zero_is_no_place` and `before_takeoff` of `Acceptance`, and for wings `mission/accept/wing.rs`. Its parameters: `read_parameters.rs`.
     row((189, "DO_LAND_START"), NoMotion, Some(STORED), Some(ACTION)),
     ardupilot((191, "DO_GO_AROUND"), Moves),
     ardupilot((193, "DO_PAUSE_CONTINUE"), Moves),

@@ -34,7 +34,7 @@ pub mod command {
     pub const NAV_DELAY: u16 = 93;
     /// Descend until the payload stands, and release it.
     pub const NAV_PAYLOAD_PLACE: u16 = 94;
-    /// The last of the commands that navigate.
+    /// The last navigation command (`MAV_CMD_NAV_LAST`).
     pub const NAV_LAST: u16 = 95;
     /// Wait for a time before the commands that follow.
     pub const CONDITION_DELAY: u16 = 112;
@@ -111,17 +111,17 @@ pub mod command {
     /// Change between rotors and wing.
     pub const DO_VTOL_TRANSITION: u16 = 3000;
     /// Fence: where to return to.
-    pub const FENCE_RETURN_POINT: u16 = 5000;
+    pub const NAV_FENCE_RETURN_POINT: u16 = 5000;
     /// Fence: a corner of a polygon to stay in.
-    pub const FENCE_POLYGON_INCLUSION: u16 = 5001;
+    pub const NAV_FENCE_POLYGON_VERTEX_INCLUSION: u16 = 5001;
     /// Fence: a corner of a polygon to stay out of.
-    pub const FENCE_POLYGON_EXCLUSION: u16 = 5002;
+    pub const NAV_FENCE_POLYGON_VERTEX_EXCLUSION: u16 = 5002;
     /// Fence: a circle to stay in.
-    pub const FENCE_CIRCLE_INCLUSION: u16 = 5003;
+    pub const NAV_FENCE_CIRCLE_INCLUSION: u16 = 5003;
     /// Fence: a circle to stay out of.
-    pub const FENCE_CIRCLE_EXCLUSION: u16 = 5004;
+    pub const NAV_FENCE_CIRCLE_EXCLUSION: u16 = 5004;
     /// A rally point.
-    pub const RALLY_POINT: u16 = 5100;
+    pub const NAV_RALLY_POINT: u16 = 5100;
 }
 
 /// Frames (`MAV_FRAME`) of mission items. 5, 6 and 11 are synonyms of 0, 3 and 10.

@@ -31,7 +31,7 @@ pub struct Modes {
     pub arming: Mode,
     /// Flies the mission.
     pub mission: Mode,
-    /// Stops without a pilot's sticks; a wing circles.
+    /// Holds its position without input of a pilot; a plane loiters.
     pub hold: Mode,
     /// `MAV_CMD_NAV_LOITER_UNLIM` as a command changes to this mode.
     pub loiter: Mode,

@@ -46,8 +46,8 @@ static BEFORE_TAKEOFF: [u16; 29] = [
 const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     location_frames: &[0, 3, 5, 6],
     command_frames: Some(&[frame::MISSION]),
-    here: &[],
-    placeless: &[],
+    zero_is_here: &[],
+    zero_is_no_place: &[],
     any_nan: true,
     reads: Some(&read_parameters::PX4),
     max_altitude_m: 83_000.0,

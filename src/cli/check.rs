@@ -9,7 +9,7 @@ use crate::mission;
 use crate::path::lean_note;
 use crate::spec::{AirspaceImport, Document, MissionSpec, SpecFile, Vehicle, dome_of};
 use crate::verify;
-use crate::world::{self, FixedPoints, World};
+use crate::world::{self, VehicleSites, World};
 
 /// Zones of one file that are listed.
 const MAX_LISTED: usize = 20;
@@ -23,7 +23,7 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
                 let world = world::load(&file)?;
                 let spec = &file.spec;
                 warn(&file, &world);
-                let fleet = spec.vehicles.iter().zip(&world.fixed_points);
+                let fleet = spec.vehicles.iter().zip(&world.sites);
                 needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
                 needs.extend(fences(spec));
                 imports.clone_from(&file.imports);
@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         out(&line)?;
     }
     for import in &imports {
-        for line in described(import) {
+        for line in import_lines(import) {
             out(&line)?;
         }
     }
@@ -72,7 +72,7 @@ fn threats_and_zones(spec: &MissionSpec) -> (usize, usize) {
 /// with their coordinates exchanged, and of values that look like another unit.
 pub(super) fn warn(file: &SpecFile, world: &World) {
     let spec = &file.spec;
-    let fleet = spec.vehicles.iter().zip(&world.fixed_points);
+    let fleet = spec.vehicles.iter().zip(&world.sites);
     let mut texts: Vec<String> = fleet
         .flat_map(|(vehicle, of)| {
             let lean = lean_note(spec, vehicle, vehicle.speeds().most);
@@ -124,8 +124,8 @@ fn unmatched_warnings(import: &AirspaceImport) -> Vec<String> {
 }
 
 /// The course of a landing that was found.
-fn landing_course(vehicle: &Vehicle, fixed_points: &FixedPoints) -> Option<String> {
-    let note = mission::landing_course_note(vehicle, fixed_points)?;
+fn landing_course(vehicle: &Vehicle, sites: &VehicleSites) -> Option<String> {
+    let note = mission::landing_course_note(vehicle, sites)?;
     Some(format!("  {}: {note}", vehicle.id))
 }
 
@@ -169,7 +169,7 @@ fn fences(spec: &MissionSpec) -> Vec<String> {
 }
 
 /// What became of the shapes of a file.
-fn described(import: &AirspaceImport) -> Vec<String> {
+fn import_lines(import: &AirspaceImport) -> Vec<String> {
     let parts = [
         (import.zones.len(), "zones"),
         (import.out_of_reach, "out of reach"),

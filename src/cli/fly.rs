@@ -22,7 +22,8 @@ use super::print::flight::report;
 use super::print::printer::Printer;
 use super::print::table;
 use crate::flight::{
-    self, Driver, Fleet, FlightError, FlightPlan, Journal, Judged, Line, Options, Outcome, Underway,
+    self, Driver, Fleet, FlightError, FlightHandoff, FlightPlan, Journal, Judged, Line, Options,
+    Outcome,
 };
 use crate::link::Links;
 use crate::spec::{Link, SpecFile};
@@ -46,11 +47,11 @@ const POSITION_S: f64 = 0.2;
 pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let plan = read(&arguments.spec, arguments.dir.as_deref())?;
     if arguments.resume {
-        let lock = runs::hold(&runs::folder(&plan.folder), "fly")?;
+        let lock = runs::lock(&runs::folder(&plan.folder), "fly")?;
         return take_over(&plan, &arguments.link, arguments.json, lock);
     }
     let folder = runs::folder(&plan.folder);
-    let _lock = runs::hold_for_flight(&plan.folder)?;
+    let _lock = runs::lock_for_flight(&plan.folder)?;
     let given = links::given(&plan.file, &arguments.link)?;
     let missions = plan.missions.iter();
     let mut links: Vec<Link> = missions
@@ -66,11 +67,11 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
     let addresses = links.iter().map(ToString::to_string);
     let addresses = vehicles.clone().map(|v| v.id.clone()).zip(addresses);
-    let mut underway = Underway::new(folder.clone(), addresses.collect(), arguments.speedup);
+    let mut handoff = FlightHandoff::new(folder.clone(), addresses.collect(), arguments.speedup);
     let record = runs::named(&folder, "flight", "jsonl");
-    underway.notice.flight = flight;
-    underway.notice.record = file_name(&record);
-    underway.notice.is_simulated = simulated.len() == plan.missions.len();
+    handoff.notice.flight = flight;
+    handoff.notice.record = file_name(&record);
+    handoff.notice.is_simulated = simulated.len() == plan.missions.len();
     let header = Line::Head {
         sortie: env!("CARGO_PKG_VERSION").to_owned(),
         spec_sha256: folder::sha256(&plan.file.text),
@@ -80,7 +81,7 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let journal = Journal::begin(record, &header)?;
     let mut screen = Screen::begin(arguments.json, !simulated.is_empty(), &folder)?;
     let launch = launch(&plan.file, simulated.len() == plan.missions.len())?;
-    let mut driver = Driver::new(&open, &underway, journal).launching(launch);
+    let mut driver = Driver::new(&open, &handoff, journal).launching(launch);
     let references = plan.references();
     let is_uploaded = |index| arguments.upload || simulated.contains_key(&index);
     let options = Options {
@@ -95,9 +96,9 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let fleet = Fleet::new(assignments, options, open.us(), driver.now());
     let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.record_plans(&plan, &references)?;
-    underway.announce(None, BTreeMap::new())?;
+    handoff.announce(None, BTreeMap::new())?;
     driver.fly(&mut fleet, &mut screen);
-    underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
+    handoff.withdraw(fleet.outcome() == Some(&Outcome::Flown));
     let output = Output::of(screen, arguments.json, !simulated.is_empty());
     end(driver, &fleet, &plan, output)
 }

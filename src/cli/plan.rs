@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
     let file = read_spec(arguments)?;
     let default = || PathBuf::from("out").join(&file.spec.name);
     let target = arguments.out.clone().unwrap_or_else(default);
-    if runs::is_flown(&target) {
+    if runs::is_in_flight(&target) {
         let message = format!("{} is being flown, and not replaced", target.display());
         return Err(Failure::new(Failure::OUTPUT, message));
     }
@@ -255,8 +255,8 @@ fn print_result(
     ))?;
     print_fleet(file, dispatched, transfer)?;
     if !review.passes() {
-        let (flown, flown_in) = dispatched.planned_spec(spec, world);
-        for reason in infeasibilities(flown, flown_in, &dispatched.plan) {
+        let (planned_spec, planned_world) = dispatched.planned_spec(spec, world);
+        for reason in infeasibilities(planned_spec, planned_world, &dispatched.plan) {
             out(&format!("{} {reason}", paint.bad("FAIL")))?;
         }
         out_lines(&table::failures(review, paint))?;
@@ -266,7 +266,7 @@ fn print_result(
         transfer.warn();
     }
     warn_of_parked(review);
-    for line in given_way(file, dispatched) {
+    for line in retimed_notes(file, dispatched) {
         out(&paint.dim(&format!("note: {line}")))?;
     }
     for (note, ids) in notes(file, dispatched) {
@@ -430,12 +430,12 @@ fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
 }
 
 /// The vehicles with another departure or speed than the spec has, and to which they give way.
-fn given_way(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
+fn retimed_notes(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
     let vehicles = &file.spec.vehicles;
     let planned = vehicles.iter().zip(&dispatched.plan.vehicles);
     planned
         .filter_map(|(vehicle, plan)| {
-            let others = plan.gives_way_to(vehicle);
+            let others = plan.retimed_around(vehicle);
             let (first, rest) = others.split_first()?;
             let mut past = vehicles.get(*first)?.id.clone();
             if !rest.is_empty() {

@@ -11,7 +11,7 @@ use super::print::failure::Failure;
 use super::print::table::{self, Rows};
 use crate::flight::replan::{self, Decision, Outcomes, Replanner, VehicleState};
 use crate::flight::{
-    FlightError, FlightPlan, Line, Notice, PopUp, Underway, count_words, steady_ms,
+    FlightError, FlightHandoff, FlightPlan, Line, Notice, PopUp, count_words, steady_ms,
 };
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
@@ -20,25 +20,28 @@ use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let mut plan = fly::read(&arguments.spec, arguments.dir.as_deref())?;
     let folder = runs::folder(&plan.folder);
-    let _lock = runs::hold(&folder, "replan").map_err(|busy| {
+    let _lock = runs::lock(&folder, "replan").map_err(|busy| {
         let message = format!(
             "{}, and this threat is not recorded: give it again",
             busy.message
         );
         Failure::new(busy.code, message)
     })?;
-    let underway = Underway::find(folder.clone())?;
-    refuse_copy(&folder, underway.as_ref())?;
-    if !runs::is_flown(&plan.folder) {
+    let handoff = FlightHandoff::find(folder.clone())?;
+    refuse_copy(&folder, handoff.as_ref())?;
+    if !runs::is_in_flight(&plan.folder) {
         note(
             "no `sortie fly` monitors this fleet: its flight is not recorded, nor judged against the threat",
         );
     }
-    let mut popups = underway.as_ref().map(Underway::popups).unwrap_or_default();
+    let mut popups = handoff
+        .as_ref()
+        .map(FlightHandoff::popups)
+        .unwrap_or_default();
     let threat = parse_threat(plan.spec(), &popups, &arguments.threat)?;
     popups.push(threat.clone());
     replan::add_threats(&mut plan, &popups);
-    let notice = underway.as_ref().map(|of| of.notice.clone());
+    let notice = handoff.as_ref().map(|of| of.notice.clone());
     let notice = notice.unwrap_or_default();
     let threat_ms = steady_ms();
     let popup = PopUp {
@@ -51,11 +54,11 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         refuse_taken_ports(&plan, links)?;
     }
     // Whatever comes of it: the flight is judged against the threat from now on.
-    append(underway.as_ref(), &[Line::of_popup(&popup)])?;
+    append(handoff.as_ref(), &[Line::of_popup(&popup)])?;
     let led = linked.and_then(|links| {
         let replanner = Replanner::open(&plan, &links, &popups, &notice, threat_ms)
             .map_err(|failed| unreachable_link(&plan, &failed))?;
-        lead(&replanner, underway.as_ref(), &notice, arguments.seed)
+        lead(&replanner, handoff.as_ref(), &notice, arguments.seed)
     });
     let write = |text: String| -> Result<(), Failure> {
         write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
@@ -72,8 +75,8 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
 }
 
 /// Refuses a copy of the folder of a flight: the process that flies the fleet reads nothing of it.
-fn refuse_copy(folder: &Path, underway: Option<&Underway>) -> Result<(), Failure> {
-    let flight = underway.map_or("", |of| of.notice.flight.as_str());
+fn refuse_copy(folder: &Path, handoff: Option<&FlightHandoff>) -> Result<(), Failure> {
+    let flight = handoff.map_or("", |of| of.notice.flight.as_str());
     let holder = claim::holder_of(flight).filter(|holder| holder.runs != folder);
     holder.map_or(Ok(()), |holder| {
         Err(failed(format!(
@@ -87,7 +90,7 @@ fn refuse_copy(folder: &Path, underway: Option<&Underway>) -> Result<(), Failure
 /// Plans, and sends the new missions if they pass.
 fn lead(
     replanner: &Replanner<'_>,
-    underway: Option<&Underway>,
+    handoff: Option<&FlightHandoff>,
     notice: &Notice,
     seed: Option<u64>,
 ) -> Result<(Decision, Outcomes), Failure> {
@@ -106,17 +109,17 @@ fn lead(
             "WARNING: no new path keeps the buffers of the spec: the new paths keep its limits alone, by which a flight is judged",
         );
     }
-    append(underway, &replanner.record_lines(&decision))?;
+    append(handoff, &replanner.record_lines(&decision))?;
     let outcomes = replanner.send(&decision);
     // What comes of them is known here first.
-    if let Err(error) = append(underway, &replanner.outcome_lines(&outcomes)) {
+    if let Err(error) = append(handoff, &replanner.outcome_lines(&outcomes)) {
         note(&error.to_string());
     }
     Ok((decision, outcomes))
 }
 
-fn append(underway: Option<&Underway>, lines: &[Line]) -> Result<(), FlightError> {
-    underway.map_or(Ok(()), |underway| underway.append(lines))
+fn append(handoff: Option<&FlightHandoff>, lines: &[Line]) -> Result<(), FlightError> {
+    handoff.map_or(Ok(()), |handoff| handoff.append(lines))
 }
 
 /// Refuses to begin where the port of a vehicle is taken: `fly` holds those that it listens at, and
@@ -140,7 +143,7 @@ fn refuse_taken_ports(plan: &FlightPlan, links: &[(usize, Link)]) -> Result<(), 
 fn unreachable_link(plan: &FlightPlan, (link, error): &(String, std::io::Error)) -> Failure {
     // Only one process can listen at a port.
     let is_taken = error.kind() == std::io::ErrorKind::AddrInUse;
-    let hint = if is_taken && runs::is_flown(&plan.folder) {
+    let hint = if is_taken && runs::is_in_flight(&plan.folder) {
         " (`sortie fly` listens there: reach the vehicle over another of its links, with --link)"
     } else {
         ""

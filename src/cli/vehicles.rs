@@ -8,7 +8,7 @@ use super::args::{self, ProfileName};
 use super::print::console::out;
 use super::print::failure::Failure;
 use super::print::table::Rows;
-use crate::link::List;
+use crate::link::MissionType;
 use crate::mission;
 use crate::numeric::digits::count;
 use crate::simulator;
@@ -22,17 +22,11 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
     let speak_to = arguments.speak_to.as_deref().map(resolve).transpose()?;
     let mut running: Vec<Running> = Vec::new();
     let mut rows = Rows::new(&["vehicle", "system", "plays", "link"]);
-    for (index, (this, fixed_points)) in file
-        .spec
-        .vehicles
-        .iter()
-        .zip(&world.fixed_points)
-        .enumerate()
-    {
+    for (index, (this, sites)) in file.spec.vehicles.iter().zip(&world.sites).enumerate() {
         let profile = arguments
             .profile
             .map_or(this.autopilot.into(), Profile::from);
-        let home = Some(mission::home_at(this.home, fixed_points.home.amsl));
+        let home = Some(mission::home_at(this.home, sites.home.amsl));
         let port = port(arguments.port, index)?;
         let vehicle = start(
             arguments,
@@ -131,10 +125,14 @@ fn start(
 /// The items that the vehicles hold in the end.
 fn farewell(running: &[Running]) -> String {
     let items = |vehicle: &Running, list| vehicle.items(list).len();
-    let holds = |vehicle: &&Running| List::ALL.iter().any(|list| items(vehicle, *list) > 0);
+    let holds = |vehicle: &&Running| {
+        MissionType::ALL
+            .iter()
+            .any(|list| items(vehicle, *list) > 0)
+    };
     let loaded: Vec<&Running> = running.iter().filter(holds).collect();
     let [mission, fence, rally] =
-        List::ALL.map(|list| loaded.iter().map(|one| items(one, list)).sum::<usize>());
+        MissionType::ALL.map(|list| loaded.iter().map(|one| items(one, list)).sum::<usize>());
     format!(
         "ended: {} of {} were loaded, with {}, {}, {}",
         loaded.len(),

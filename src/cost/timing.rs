@@ -30,23 +30,23 @@ pub(super) enum After {
 
 impl Timing {
     pub(super) fn new(world: &World, spec: &MissionSpec, vehicle: usize, ends: &RouteEnds) -> Self {
-        let (fixed_points, vehicle) = (&world.fixed_points[vehicle], &spec.vehicles[vehicle]);
+        let (sites, vehicle) = (&world.sites[vehicle], &spec.vehicles[vehicle]);
         let land = |ground_m: f64| After::Land {
             ground_m,
             descent_mps: vehicle.descent_mps,
         };
-        let is_homeward = ends.to.at.distance_m(fixed_points.home.at) < 1.0;
-        let is_to_stop = !fixed_points.stops.is_empty() && ends.to != fixed_points.goal;
+        let is_homeward = ends.to.at.distance_m(sites.home.at) < 1.0;
+        let is_to_stop = !sites.stops.is_empty() && ends.to != sites.goal;
         let after = match vehicle.finish {
             Finish::Land | Finish::Loiter if is_to_stop => After::Nothing,
             Finish::Loiter => After::Loiter,
-            Finish::Land => land(fixed_points.goal_ground.0),
-            Finish::Return if is_homeward => land(fixed_points.home.amsl.0),
+            Finish::Land => land(sites.goal_ground.0),
+            Finish::Return if is_homeward => land(sites.home.amsl.0),
             Finish::Return => After::Nothing,
         };
         Self {
             start_s: ends.start_s,
-            initial_mps: fixed_points.departure.speed_at_mps(ends.from),
+            initial_mps: sites.departure.speed_at_mps(ends.from),
             speed_mps: way_speed_mps(vehicle, ends.from, ends.to),
             accel_mps2: vehicle.accel_mps2,
             after,

@@ -29,8 +29,8 @@ pub(super) fn is_crowd(spec: &MissionSpec, world: &World) -> bool {
     if !(FEWEST..=MAX).contains(&count) || spec.planner.objective == Objective::Paper {
         return false;
     }
-    let flights: Vec<Vec<Straight>> = (spec.vehicles.iter().zip(&world.fixed_points))
-        .map(|(vehicle, fixed_points)| straight(vehicle, route_ends(vehicle, fixed_points)))
+    let flights: Vec<Vec<Straight>> = (spec.vehicles.iter().zip(&world.sites))
+        .map(|(vehicle, sites)| straight(vehicle, route_ends(vehicle, sites)))
         .collect();
     let slack_s = spec.separation.time_slack_s;
     let distance_m = spec.buffered_separation().distance_m;

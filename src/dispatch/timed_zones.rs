@@ -9,7 +9,7 @@ use super::{Dispatched, Job};
 use crate::path::route_ends;
 use crate::spec::{MissionSpec, Span, Stop, Vehicle, wait_less};
 use crate::verify::{Limit, Review};
-use crate::world::{FixedPoints, World};
+use crate::world::{VehicleSites, World};
 
 /// A plan this near to its bound has nothing to gain, as a share of the bound.
 const WORTH: f64 = 0.01;
@@ -187,12 +187,12 @@ fn departing_after(spec: &MissionSpec, wait_s: f64) -> MissionSpec {
 /// From the first departure to about the last landing, seconds after T0. Whether that is long
 /// enough is for the verdict to say.
 fn flight_s(spec: &MissionSpec, world: &World) -> (f64, f64) {
-    let fleet = spec.vehicles.iter().zip(&world.fixed_points);
-    let flights = fleet.map(|(vehicle, fixed_points)| {
+    let fleet = spec.vehicles.iter().zip(&world.sites);
+    let flights = fleet.map(|(vehicle, sites)| {
         let departs_s = vehicle.departures().least.min(vehicle.depart_s);
         (
             departs_s,
-            vehicle.depart_s + DETOUR * straight_s(vehicle, fixed_points),
+            vehicle.depart_s + DETOUR * straight_s(vehicle, sites),
         )
     });
     let whole = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
@@ -200,11 +200,11 @@ fn flight_s(spec: &MissionSpec, world: &World) -> (f64, f64) {
 }
 
 /// How long a vehicle is in the air on straight routes, with its rests, seconds.
-fn straight_s(vehicle: &Vehicle, fixed_points: &FixedPoints) -> f64 {
-    let routes = route_ends(vehicle, fixed_points).into_iter();
+fn straight_s(vehicle: &Vehicle, sites: &VehicleSites) -> f64 {
+    let routes = route_ends(vehicle, sites).into_iter();
     let straight_m: f64 = routes.map(|(from, to)| from.distance_m(to)).sum();
     let rests_s = (0..=vehicle.stops.len()).map(|route| vehicle.rest_after_s(route));
-    let climb_m = (fixed_points.start.amsl.0 - fixed_points.home.amsl.0).abs();
+    let climb_m = (sites.start.amsl.0 - sites.home.amsl.0).abs();
     rests_s.sum::<f64>() + straight_m / vehicle.speed_mps + climb_m / climb_mps(vehicle)
 }
 

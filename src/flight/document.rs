@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use super::conformance::report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
+use super::conformance::report::{
+    ErrorPercentiles, FlightReport, MadeStop, Passage, VehicleReport,
+};
 use super::itinerary::state::{Served, ServiceState};
 use super::itinerary::stops::ServiceKind;
 use super::record::{RaisedAlarm, Record};
@@ -128,11 +130,11 @@ pub struct SeenEntry {
 /// Median, 95 % and worst.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SpreadEntry {
-    /// As in [`Spread`].
+    /// As in [`ErrorPercentiles`].
     pub median: f64,
-    /// As in [`Spread`].
+    /// As in [`ErrorPercentiles`].
     pub p95: f64,
-    /// As in [`Spread`].
+    /// As in [`ErrorPercentiles`].
     pub worst: f64,
 }
 
@@ -192,7 +194,7 @@ fn vehicle(report: &VehicleReport) -> FlownVehicle {
         fixes: report.fixes,
         cross_track_m: report.cross_track_m.map(spread),
         altitude_error_m: report.altitude_error_m.map(spread),
-        time_error_s: Spread::of(late.collect()).map(spread),
+        time_error_s: ErrorPercentiles::of(late.collect()).map(spread),
         waypoints: report.passages.iter().map(passage).collect(),
         stops: report
             .stops
@@ -240,7 +242,7 @@ fn stop(of: &MadeStop, served: &[Served]) -> StopEntry {
     }
 }
 
-fn spread(of: Spread) -> SpreadEntry {
+fn spread(of: ErrorPercentiles) -> SpreadEntry {
     SpreadEntry {
         median: rounded(of.median),
         p95: rounded(of.p95),

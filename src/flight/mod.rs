@@ -19,8 +19,8 @@ mod session;
 
 pub use clock::{BootTime, steady_ms, unix_ms};
 pub use conformance::judge;
-pub use conformance::reference::{Deviation, Reference, Waypoint};
-pub use conformance::report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
+pub use conformance::reference::{Deviation, ReferenceTrajectory, Waypoint};
+pub use conformance::report::{ErrorPercentiles, FlightReport, MadeStop, Passage, VehicleReport};
 pub use document::{FlightDocument, flight_json};
 pub use error::FlightError;
 pub use event::{AlarmMark, Event};
@@ -30,12 +30,12 @@ pub use itinerary::stops::{Itinerary, ItineraryStop, Service, ServiceKind, count
 pub use launch::plan::{FlightPlan, refuse_shared_sysids};
 pub(crate) use launch::readiness::STANDS_M;
 pub use page::flight_page;
+pub use record::handoff::{Ended, FlightHandoff, Notice, T0};
 pub use record::interrupted::Interrupted;
 pub use record::journal::Journal;
 pub use record::lines::Line;
 pub use record::read::{Broken, SPEEDUP, read_record};
 pub use record::tlog::{Capture, read_tlog};
-pub use record::underway::{Ended, Notice, T0, Underway};
 pub use record::{Fix, Flight, Flown, Plan, PopUp, RaisedAlarm, Record};
 pub use session::diversion::{Diversion, Onward};
 pub use session::driver::{Driver, Judged, Operator};

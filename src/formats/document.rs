@@ -142,8 +142,10 @@ impl Document {
     /// Puts an item into the list that its command belongs to.
     pub(super) fn add(&mut self, item: Item) {
         match item.command {
-            command::FENCE_RETURN_POINT..=command::FENCE_CIRCLE_EXCLUSION => self.fence.push(item),
-            command::RALLY_POINT => self.rally.push(item),
+            command::NAV_FENCE_RETURN_POINT..=command::NAV_FENCE_CIRCLE_EXCLUSION => {
+                self.fence.push(item)
+            }
+            command::NAV_RALLY_POINT => self.rally.push(item),
             _ => self.items.push(item),
         }
     }

@@ -46,9 +46,9 @@ pub fn read_fence(text: &str) -> Result<Document, FormatError> {
         return Err(wrong_fence(last, count));
     }
     let corners = u16::try_from(outline.len()).map_err(|_| wrong_fence(last, count))?;
-    let mut fence = vec![point_item(command::FENCE_RETURN_POINT, 0.0, *back)];
+    let mut fence = vec![point_item(command::NAV_FENCE_RETURN_POINT, 0.0, *back)];
     fence.extend(outline.iter().map(|corner| {
-        let command = command::FENCE_POLYGON_INCLUSION;
+        let command = command::NAV_FENCE_POLYGON_VERTEX_INCLUSION;
         point_item(command, f32::from(corners), *corner)
     }));
     Ok(Document {
@@ -88,7 +88,7 @@ pub fn read_rally(text: &str) -> Result<Document, FormatError> {
             }
         }
         let at = (scaled(*lat, frame::GLOBAL)?, scaled(*lon, frame::GLOBAL)?);
-        rally.push(raised_item(command::RALLY_POINT, at, float(*alt)?));
+        rally.push(raised_item(command::NAV_RALLY_POINT, at, float(*alt)?));
     }
     Ok(Document {
         rally,

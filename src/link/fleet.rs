@@ -9,7 +9,7 @@ use super::codec::Version;
 use super::ground_station::{address, free_address};
 use super::io::radio::{Radio, Received};
 use super::io::tlog::Tlog;
-use super::message::List;
+use super::message::MissionType;
 use super::message::{Address, Message};
 use super::time::Time;
 use super::transfer::onboard::{Onboard, Reading};
@@ -97,7 +97,7 @@ pub fn upload_fleet_captured(
 pub fn download(
     link: &Link,
     sysid: Option<u8>,
-    progress: &dyn Fn(List, usize),
+    progress: &dyn Fn(MissionType, usize),
 ) -> Result<Onboard, Failure> {
     let us = address(sysid.as_slice());
     let failure = |error: io::Error| Failure::Link {

@@ -37,8 +37,8 @@ pub use message::flight::{
 };
 pub use message::health::{Health, SystemStatus};
 pub use message::{
-    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, List, MISSION_TYPE_ALL,
-    MODE_ARMED, Message, MissionMessage, MissionResult, Route, STATE_ACTIVE, STATE_STANDBY,
+    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, MISSION_TYPE_ALL, MODE_ARMED,
+    Message, MissionMessage, MissionResult, MissionType, Route, STATE_ACTIVE, STATE_STANDBY,
     TEXT_BYTES, TYPE_GCS, TextChunk,
 };
 pub use stored_form::stored_form;

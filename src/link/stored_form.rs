@@ -2,20 +2,25 @@
 //!
 //! The tables are in [`crate::autopilot`].
 
-use super::message::List;
+use super::message::MissionType;
 use crate::autopilot::{Airframe, Autopilot, Location, command_row, facts, frame};
 use crate::mission::Item;
 
 /// The item as this autopilot returns it on such an airframe, with the canonical frame.
 #[must_use]
-pub fn stored_form(autopilot: Autopilot, airframe: Airframe, list: List, item: &Item) -> Item {
+pub fn stored_form(
+    autopilot: Autopilot,
+    airframe: Airframe,
+    list: MissionType,
+    item: &Item,
+) -> Item {
     let mut stored = Item {
         frame: frame::canonical(item.frame),
         ..*item
     };
     let is_packed = autopilot.conventions().packs_items;
     match list {
-        List::Mission => {
+        MissionType::Mission => {
             let forms = facts(autopilot, airframe).stored_params(item.command);
             for (param, form) in stored.params.iter_mut().zip(forms) {
                 *param = form.apply(*param);
@@ -24,19 +29,19 @@ pub fn stored_form(autopilot: Autopilot, airframe: Airframe, list: List, item: &
                 pack(&mut stored);
             }
         }
-        List::Fence if is_packed => {
+        MissionType::Fence if is_packed => {
             // Fences are two-dimensional: neither frame nor altitude is stored.
             stored.autocontinue = false;
             stored.frame = frame::GLOBAL;
             stored.z = 0.0;
             stored.params = [stored.params[0], 0.0, 0.0, 0.0];
         }
-        List::Rally if is_packed => {
+        MissionType::Rally if is_packed => {
             stored.autocontinue = false;
             stored.params = [0.0; 4];
             stored.z = stored.z.trunc();
         }
-        List::Fence | List::Rally => {}
+        MissionType::Fence | MissionType::Rally => {}
     }
     stored
 }
@@ -80,7 +85,12 @@ mod tests {
     }
 
     fn copter(item: Item) -> Item {
-        stored_form(Autopilot::ArduPilot, Airframe::Copter, List::Mission, &item)
+        stored_form(
+            Autopilot::ArduPilot,
+            Airframe::Copter,
+            MissionType::Mission,
+            &item,
+        )
     }
 
     /// Values read back from ArduPlane 4.6.3 (software in the loop, November 2026).
@@ -95,10 +105,10 @@ mod tests {
                     params: sent,
                     ..waypoint()
                 };
-                let read = stored_form(Autopilot::ArduPilot, airframe, List::Mission, &item);
+                let read = stored_form(Autopilot::ArduPilot, airframe, MissionType::Mission, &item);
                 same(read.params, stored);
                 // PX4 keeps the hold on a wing too.
-                let px4 = stored_form(Autopilot::Px4, airframe, List::Mission, &item);
+                let px4 = stored_form(Autopilot::Px4, airframe, MissionType::Mission, &item);
                 same(px4.params, [sent[0], sent[1], 0.0, sent[3]]);
             }
         }
@@ -167,16 +177,26 @@ mod tests {
     #[test]
     fn rally_altitudes_lose_their_decimals_and_fences_their_autocontinue() {
         let rally = Item {
-            command: command::RALLY_POINT,
+            command: command::NAV_RALLY_POINT,
             z: 80.9,
             ..waypoint()
         };
-        let read = stored_form(Autopilot::ArduPilot, Airframe::Copter, List::Rally, &rally);
+        let read = stored_form(
+            Autopilot::ArduPilot,
+            Airframe::Copter,
+            MissionType::Rally,
+            &rally,
+        );
         assert_eq!(
             (read.z.to_bits(), read.autocontinue),
             (80_f32.to_bits(), false)
         );
-        let read = stored_form(Autopilot::ArduPilot, Airframe::Copter, List::Fence, &rally);
+        let read = stored_form(
+            Autopilot::ArduPilot,
+            Airframe::Copter,
+            MissionType::Fence,
+            &rally,
+        );
         assert!(!read.autocontinue);
     }
 
@@ -187,7 +207,7 @@ mod tests {
             stored_form(
                 Autopilot::Px4,
                 Airframe::Copter,
-                List::Mission,
+                MissionType::Mission,
                 &Item {
                     params,
                     ..waypoint()

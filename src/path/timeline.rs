@@ -13,7 +13,7 @@ use crate::numeric::approach::Segment;
 use crate::numeric::tracks::Track;
 use crate::path::{TimedPoint, wing};
 use crate::spec::{Finish, Vehicle};
-use crate::world::{Departure, FixedPoints};
+use crate::world::{Departure, VehicleSites};
 
 /// Longest piece of a motion while the speed changes, seconds: between its ends
 /// such a piece leaves constant speed by at most `accel * 2^2 / 8`.
@@ -71,14 +71,14 @@ pub fn time_route_from(
 /// When the first route of a vehicle begins, seconds after T0: in the air at once, else after its
 /// departure, its climb over home, and its path from there to the start.
 #[must_use]
-pub fn route_start_s(vehicle: &Vehicle, fixed_points: &FixedPoints) -> f64 {
-    if let Departure::Airborne { at_s, .. } = fixed_points.departure {
+pub fn route_start_s(vehicle: &Vehicle, sites: &VehicleSites) -> f64 {
+    if let Departure::Airborne { at_s, .. } = sites.departure {
         return at_s;
     }
     if vehicle.airframe.has_wing() {
         // The turn onto the route is that onto a straight one.
-        let straight = vec![fixed_points.start, fixed_points.goal];
-        let flown = flight(vehicle, fixed_points, &[straight]);
+        let straight = vec![sites.start, sites.goal];
+        let flown = flight(vehicle, sites, &[straight]);
         return flown
             .route_starts_s
             .first()
@@ -86,19 +86,19 @@ pub fn route_start_s(vehicle: &Vehicle, fixed_points: &FixedPoints) -> f64 {
             .unwrap_or(vehicle.depart_s);
     }
     let mut points = Vec::new();
-    take_off(&mut points, vehicle, fixed_points);
+    take_off(&mut points, vehicle, sites);
     points.last().map_or(vehicle.depart_s, |last| last.t_s)
 }
 
 /// The flight of a vehicle along its routes, which are those between [`super::route_ends`]; it
 /// rests at its stops.
 #[must_use]
-pub fn flight(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<PlanPoint>]) -> Flight {
+pub fn flight(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) -> Flight {
     if vehicle.airframe.has_wing() {
-        return winged(vehicle, fixed_points, routes);
+        return winged(vehicle, sites, routes);
     }
     let mut points = Vec::new();
-    take_off(&mut points, vehicle, fixed_points);
+    take_off(&mut points, vehicle, sites);
     let mut route_starts_s = Vec::with_capacity(routes.len());
     for (index, route) in routes.iter().enumerate() {
         let t0_s = points.last().map_or(vehicle.depart_s, |last| last.t_s);
@@ -107,7 +107,7 @@ pub fn flight(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<PlanP
             &mut points,
             route,
             &vehicle.on_route(index),
-            fixed_points.departure,
+            sites.departure,
         );
         rest(&mut points, vehicle.rest_after_s(index));
     }
@@ -118,8 +118,8 @@ pub fn flight(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<PlanP
                 t_s: f64::INFINITY,
                 ..last
             }),
-            Finish::Land => land(&mut points, fixed_points.goal_ground, vehicle),
-            Finish::Return => land(&mut points, fixed_points.home.amsl, vehicle),
+            Finish::Land => land(&mut points, sites.goal_ground, vehicle),
+            Finish::Return => land(&mut points, sites.home.amsl, vehicle),
         }
     }
     Flight {
@@ -131,20 +131,20 @@ pub fn flight(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<PlanP
 
 /// The flight of a plane or vtol: turns join the routes to takeoff, approach and each
 /// other, here along the tangents of their arcs. Circling for ever is staying at the middle.
-fn winged(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<PlanPoint>]) -> Flight {
-    let mut points = vec![begin(vehicle, fixed_points)];
-    let way = wing::way(vehicle, fixed_points, routes);
+fn winged(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) -> Flight {
+    let mut points = vec![begin(vehicle, sites)];
+    let way = wing::way(vehicle, sites, routes);
     let loiters = vehicle.finish == Finish::Loiter;
     if let Some(climb) = &way.climb {
         points.push(TimedPoint {
             point: PlanPoint {
                 at: climb.lift_off,
-                ..fixed_points.home
+                ..sites.home
             },
             t_s: vehicle.depart_s + climb.run_s,
         });
-    } else if !fixed_points.departure.is_airborne() {
-        lift(&mut points, fixed_points.start.amsl, vehicle.climb_mps);
+    } else if !sites.departure.is_airborne() {
+        lift(&mut points, sites.start.amsl, vehicle.climb_mps);
     }
     let is_plane = vehicle.airframe == Airframe::Plane;
     let mut from = 0;
@@ -160,7 +160,7 @@ fn winged(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<PlanPoint
                 vehicle,
             );
         } else {
-            append_route(&mut points, part, vehicle, fixed_points.departure);
+            append_route(&mut points, part, vehicle, sites.departure);
         }
         rest(&mut points, circling_s);
         from = to;
@@ -235,30 +235,30 @@ impl Flight {
 }
 
 /// Where and when a vehicle begins: at home at its departure, or in the air.
-fn begin(vehicle: &Vehicle, fixed_points: &FixedPoints) -> TimedPoint {
-    match fixed_points.departure {
+fn begin(vehicle: &Vehicle, sites: &VehicleSites) -> TimedPoint {
+    match sites.departure {
         Departure::Ground => TimedPoint {
-            point: fixed_points.home,
+            point: sites.home,
             t_s: vehicle.depart_s,
         },
         Departure::Airborne { point, at_s, .. } => TimedPoint { point, t_s: at_s },
     }
 }
 
-fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, fixed_points: &FixedPoints) {
-    points.push(begin(vehicle, fixed_points));
-    if fixed_points.departure.is_airborne() {
+fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, sites: &VehicleSites) {
+    points.push(begin(vehicle, sites));
+    if sites.departure.is_airborne() {
         return;
     }
-    lift(points, fixed_points.start.amsl, vehicle.climb_mps);
+    lift(points, sites.start.amsl, vehicle.climb_mps);
     let over_home = PlanPoint {
-        at: fixed_points.home.at,
-        amsl: fixed_points.start.amsl,
+        at: sites.home.at,
+        amsl: sites.start.amsl,
     };
-    if fixed_points.home.at.distance_m(fixed_points.start.at) > 0.0 {
+    if sites.home.at.distance_m(sites.start.at) > 0.0 {
         append_route(
             points,
-            &[over_home, fixed_points.start],
+            &[over_home, sites.start],
             vehicle,
             Departure::Ground,
         );

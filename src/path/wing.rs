@@ -7,7 +7,7 @@
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::spec::{Airframe, Finish, Vehicle};
-use crate::world::{Departure, FixedPoints};
+use crate::world::{Departure, VehicleSites};
 
 use super::VehicleLimits;
 use super::dubins::{Pose, Turns, turns};
@@ -97,25 +97,24 @@ pub(super) fn approach(
 
 /// Where a vehicle touches down at the end, and its approach to there, if it needs one.
 #[must_use]
-pub fn landing(vehicle: &Vehicle, fixed_points: &FixedPoints) -> (PlanPoint, Option<Approach>) {
-    let (touchdown, from) = fixed_points.touchdown(vehicle.finish);
+pub fn landing(vehicle: &Vehicle, sites: &VehicleSites) -> (PlanPoint, Option<Approach>) {
+    let (touchdown, from) = sites.touchdown(vehicle.finish);
     (
         touchdown,
-        approach(vehicle, fixed_points.landing_rad, touchdown, from),
+        approach(vehicle, sites.landing_rad, touchdown, from),
     )
 }
 
 /// Where the way home of a vehicle that returns ends: over home at the height of the
 /// start, or before its approach.
 #[must_use]
-pub fn homeward_end(vehicle: &Vehicle, fixed_points: &FixedPoints) -> PlanPoint {
+pub fn homeward_end(vehicle: &Vehicle, sites: &VehicleSites) -> PlanPoint {
     let over_home = PlanPoint {
-        at: fixed_points.home.at,
-        amsl: fixed_points.start.amsl,
+        at: sites.home.at,
+        amsl: sites.start.amsl,
     };
-    let (home, from) = (fixed_points.home, fixed_points.start.amsl);
-    approach(vehicle, fixed_points.landing_rad, home, from)
-        .map_or(over_home, |approach| approach.gate)
+    let (home, from) = (sites.home, sites.start.amsl);
+    approach(vehicle, sites.landing_rad, home, from).map_or(over_home, |approach| approach.gate)
 }
 
 /// Corners of the way from a place to another with turns that the vehicle can fly; a
@@ -206,30 +205,30 @@ pub(super) struct Way {
 }
 
 /// Where a wing is when it begins with its routes.
-fn lifted(fixed_points: &FixedPoints, climb: Option<&ClimbOut>) -> PlanPoint {
+fn lifted(sites: &VehicleSites, climb: Option<&ClimbOut>) -> PlanPoint {
     let over_home = PlanPoint {
-        at: fixed_points.home.at,
-        ..fixed_points.start
+        at: sites.home.at,
+        ..sites.start
     };
-    match fixed_points.departure {
+    match sites.departure {
         Departure::Airborne { point, .. } => point,
         Departure::Ground => climb.map_or(over_home, |climb| climb.top),
     }
 }
 
 /// The way along some routes, each of at least two points.
-pub(super) fn way(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<PlanPoint>]) -> Way {
+pub(super) fn way(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) -> Way {
     let takeoff_rad = vehicle
         .wing
         .and_then(|wing| wing.takeoff_heading_rad)
-        .filter(|_| !fixed_points.departure.is_airborne());
+        .filter(|_| !sites.departure.is_airborne());
     let climb = takeoff_rad
         .filter(|_| vehicle.airframe == Airframe::Plane)
         .map(|course| {
-            let (home, ground) = (fixed_points.home.at, |_| fixed_points.home.amsl);
-            climb_out(vehicle, home, course, ground, fixed_points.start.amsl)
+            let (home, ground) = (sites.home.at, |_| sites.home.amsl);
+            climb_out(vehicle, home, course, ground, sites.start.amsl)
         });
-    let first = lifted(fixed_points, climb.as_ref());
+    let first = lifted(sites, climb.as_ref());
     let (mut at, mut course) = (first.at, takeoff_rad);
     let mut points = vec![first];
     let mut circles = Vec::new();
@@ -256,7 +255,7 @@ pub(super) fn way(vehicle: &Vehicle, fixed_points: &FixedPoints, routes: &[Vec<P
             (at, course) = (last.at, Some(heading_rad(before.at, last.at)));
         }
     }
-    let (touchdown, approach) = landing(vehicle, fixed_points);
+    let (touchdown, approach) = landing(vehicle, sites);
     if let Some(approach) = approach {
         let onto = (approach.entry.at, Some(approach.heading_rad));
         let turns = join(vehicle, (at, course), onto);

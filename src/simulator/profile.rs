@@ -1,7 +1,7 @@
 //! The autopilot that a simulated vehicle plays.
 
 use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts};
-use crate::link::{AUTOPILOT_GENERIC, List};
+use crate::link::{AUTOPILOT_GENERIC, MissionType};
 
 /// The autopilot that a simulated vehicle plays. Its behaviour was measured on ArduCopter and
 /// ArduPlane 4.6.3, PX4 1.18 (both software in the loop) and MAVSDK 4.1.0.
@@ -96,15 +96,15 @@ impl Profile {
     }
 
     /// Greatest number of items in a list, home included where there is one.
-    pub(crate) fn capacity(self, list: List, airframe: Airframe) -> usize {
+    pub(crate) fn capacity(self, list: MissionType, airframe: Airframe) -> usize {
         let Some(known) = self.known() else {
             return 10_000;
         };
         let capacity = facts(known, airframe).capacity;
         match list {
-            List::Mission => capacity.items + usize::from(known.conventions().counts_home),
-            List::Fence => capacity.fence,
-            List::Rally => capacity.rally,
+            MissionType::Mission => capacity.items + usize::from(known.conventions().counts_home),
+            MissionType::Fence => capacity.fence,
+            MissionType::Rally => capacity.rally,
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::autopilot::{
     Airframe, Autopilot, CommandRule, Location, command, command_row, facts, frame,
 };
-use crate::link::{List, MissionResult};
+use crate::link::{MissionResult, MissionType};
 use crate::mission::Item;
 
 /// Latitude and longitude in 1e-7 degrees.
@@ -18,31 +18,31 @@ fn rule(autopilot: Autopilot, item: &Item) -> Option<&'static CommandRule> {
 }
 
 /// Whether a fence or rally item is of its list.
-fn is_of(list: List, number: u16) -> bool {
+fn is_of(list: MissionType, number: u16) -> bool {
     match list {
-        List::Mission => false,
-        List::Fence => {
-            (command::FENCE_RETURN_POINT..=command::FENCE_CIRCLE_EXCLUSION).contains(&number)
-        }
-        List::Rally => number == command::RALLY_POINT,
+        MissionType::Mission => false,
+        MissionType::Fence => (command::NAV_FENCE_RETURN_POINT
+            ..=command::NAV_FENCE_CIRCLE_EXCLUSION)
+            .contains(&number),
+        MissionType::Rally => number == command::NAV_RALLY_POINT,
     }
 }
 
 /// ArduPilot: frame, then parameters, then place.
 pub(crate) fn ardupilot(
-    list: List,
+    list: MissionType,
     item: &Item,
     seq: u16,
     count: u16,
 ) -> Result<(), MissionResult> {
-    let rule = rule(Autopilot::ArduPilot, item).filter(|_| list == List::Mission);
+    let rule = rule(Autopilot::ArduPilot, item).filter(|_| list == MissionType::Mission);
     if rule.is_none() && !is_of(list, item.command) {
         return Err(MissionResult::UNSUPPORTED);
     }
     let is_placed = rule.is_none_or(|rule| rule.location != Location::None);
     let canonical = frame::canonical(item.frame);
     if is_placed && ![0, 2, 3, 10].contains(&canonical)
-        || (list != List::Mission && canonical == frame::MISSION)
+        || (list != MissionType::Mission && canonical == frame::MISSION)
     {
         return Err(MissionResult::UNSUPPORTED_FRAME);
     }
@@ -72,10 +72,10 @@ pub(crate) fn ardupilot(
 }
 
 /// PX4 looks at command and frame only: NaN altitudes and impossible locations pass.
-pub(crate) fn px4(list: List, item: &Item) -> Result<(), MissionResult> {
+pub(crate) fn px4(list: MissionType, item: &Item) -> Result<(), MissionResult> {
     let acceptance = facts(Autopilot::Px4, Airframe::Copter).acceptance;
     let is_global = acceptance.location_frames.contains(&item.frame);
-    if list != List::Mission {
+    if list != MissionType::Mission {
         return match (is_global, is_of(list, item.command)) {
             (false, _) => Err(MissionResult::UNSUPPORTED_FRAME),
             (true, false) => Err(MissionResult::UNSUPPORTED),
@@ -99,12 +99,11 @@ pub(crate) fn fence_is_consistent(items: &[Item]) -> bool {
     let mut rest = items;
     while let Some(first) = rest.first() {
         let corners = match first.command {
-            command::FENCE_POLYGON_INCLUSION | command::FENCE_POLYGON_EXCLUSION => {
-                match whole(first.params[0]) {
-                    Some(corners @ 3..) => corners,
-                    _ => return false,
-                }
-            }
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION
+            | command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION => match whole(first.params[0]) {
+                Some(corners @ 3..) => corners,
+                _ => return false,
+            },
             _ => 1,
         };
         let same = |item: &Item| {

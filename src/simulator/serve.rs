@@ -12,7 +12,7 @@ use super::air::{Air, Weather};
 use super::environment::Surroundings;
 use super::profile::Profile;
 use super::server::Vehicle;
-use crate::link::{Address, Decoder, Encoder, FlightMessage, List, Message, Time};
+use crate::link::{Address, Decoder, Encoder, FlightMessage, Message, MissionType, Time};
 use crate::mission::{Home, Item};
 use crate::spec::Airframe;
 
@@ -136,7 +136,7 @@ impl Running {
 
     /// What it holds, without home.
     #[must_use]
-    pub fn items(&self, list: List) -> Vec<Item> {
+    pub fn items(&self, list: MissionType) -> Vec<Item> {
         lock(&self.vehicle).items(list).to_vec()
     }
 

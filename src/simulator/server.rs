@@ -13,7 +13,8 @@ use super::mode::Mode;
 use super::pilot::Pilot;
 use super::profile::Profile;
 use crate::link::{
-    Address, Body, List, MISSION_TYPE_ALL, Message, MissionMessage, MissionResult, Position, Time,
+    Address, Body, MISSION_TYPE_ALL, Message, MissionMessage, MissionResult, MissionType, Position,
+    Time,
 };
 use crate::mission::{Home, Item};
 use crate::spec::Airframe;
@@ -39,10 +40,10 @@ pub struct Vehicle {
     fence_points: Option<usize>,
     us: Address,
     home: Option<Home>,
-    lists: BTreeMap<List, Vec<Item>>,
+    lists: BTreeMap<MissionType, Vec<Item>>,
     transfer: Transfer,
     /// Whom the last item of a completed upload came from.
-    last: Option<(Address, List, u16)>,
+    last: Option<(Address, MissionType, u16)>,
     outbox: VecDeque<Message>,
     heartbeat_due: Time,
     started: Time,
@@ -70,7 +71,7 @@ enum Transfer {
     /// Items come in.
     Receiving {
         partner: Address,
-        list: List,
+        list: MissionType,
         count: u16,
         /// What came so far. ArduPilot writes each mission item at once instead.
         staged: Vec<Item>,
@@ -81,7 +82,7 @@ enum Transfer {
     /// Items go out (PX4 and generic keep count of it).
     Giving {
         partner: Address,
-        list: List,
+        list: MissionType,
         next: u16,
         heard: Time,
     },
@@ -118,7 +119,7 @@ impl Vehicle {
                 component: 1,
             },
             home,
-            lists: List::ALL.map(|list| (list, Vec::new())).into(),
+            lists: MissionType::ALL.map(|list| (list, Vec::new())).into(),
             transfer: Transfer::Idle,
             last: None,
             outbox: VecDeque::new(),
@@ -170,10 +171,10 @@ impl Vehicle {
 
     /// What it holds, without home.
     #[must_use]
-    pub fn items(&self, list: List) -> &[Item] {
+    pub fn items(&self, list: MissionType) -> &[Item] {
         let rows = self.rows(list);
         match (self.profile, list) {
-            (Profile::ArduPilot, List::Mission) => rows.get(1..).unwrap_or_default(),
+            (Profile::ArduPilot, MissionType::Mission) => rows.get(1..).unwrap_or_default(),
             _ => rows,
         }
     }
@@ -210,7 +211,7 @@ impl Vehicle {
         if self.is_dark(now) || ![self.us.system, 0].contains(&mission.target.system) {
             return;
         }
-        let Some(list) = List::of(mission.mission_type) else {
+        let Some(list) = MissionType::of(mission.mission_type) else {
             if mission.body == Body::ClearAll && mission.mission_type == MISSION_TYPE_ALL {
                 self.clear_all(from);
             }
@@ -287,7 +288,7 @@ impl Vehicle {
         let Some(mut pilot) = self.pilot.take() else {
             return;
         };
-        pilot.advance(now, self.items(List::Mission));
+        pilot.advance(now, self.items(MissionType::Mission));
         self.pilot = Some(pilot);
         self.report();
     }
@@ -300,13 +301,13 @@ impl Vehicle {
 
     /// The mission on board is another one.
     fn mission_replaced(&mut self) {
-        let items = self.items(List::Mission).to_vec();
+        let items = self.items(MissionType::Mission).to_vec();
         if let Some(pilot) = &mut self.pilot {
             pilot.mission_replaced(&items);
         }
     }
 
-    fn rows(&self, list: List) -> &[Item] {
+    fn rows(&self, list: MissionType) -> &[Item] {
         self.lists.get(&list).map_or(&[], Vec::as_slice)
     }
 
@@ -326,7 +327,7 @@ impl Vehicle {
         }));
     }
 
-    fn acknowledge(&mut self, to: Address, list: List, result: MissionResult) {
+    fn acknowledge(&mut self, to: Address, list: MissionType, result: MissionResult) {
         let opaque_id = match result {
             MissionResult::ACCEPTED => self.opaque_id(list),
             _ => 0,

@@ -170,7 +170,7 @@ pub struct Wing {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
     /// Course of the approach, radians clockwise from north; none: into the wind, or the nearest to it
-    /// that is free ([`crate::world::FixedPoints::landing_rad`]).
+    /// that is free ([`crate::world::VehicleSites::landing_rad`]).
     pub heading_rad: Option<f64>,
     /// Angle of a plane's glide, radians, positive.
     pub glide_rad: f64,

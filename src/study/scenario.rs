@@ -336,8 +336,8 @@ mod tests {
                     .unwrap_or_else(|error| panic!("{seed} {difficulty}: {error}\n{text}"));
                 let threats = file.spec.threats.len();
                 assert!((5..=40).contains(&threats), "{threats}\n{text}");
-                for fixed_points in &world.fixed_points {
-                    let km = fixed_points.start.distance_m(fixed_points.goal) / 1000.0;
+                for sites in &world.sites {
+                    let km = sites.start.distance_m(sites.goal) / 1000.0;
                     assert!((4.9..=205.0).contains(&km), "{km}");
                 }
             }

@@ -15,7 +15,7 @@ use crate::spec::{
     MissionSpec, Mover, OnAlarm, OnLinkLoss, OnWay, Order, Placement, Retiming, Scenario,
     Separation, TerrainSource, Vehicle,
 };
-use crate::world::{Departure, Disc, FixedPoints, Ground, Layer, Terrain, World};
+use crate::world::{Departure, Disc, Ground, Layer, Terrain, VehicleSites, World};
 
 /// Control points by coordinate, ends included: metres east, north and up.
 pub(super) type Spline = [Vec<f64>; 3];
@@ -91,10 +91,10 @@ impl Setting {
 
     /// The leg of a vehicle; all vehicles depart at once.
     pub(super) fn leg(&self, vehicle: usize) -> RouteEnds {
-        let fixed_points = &self.world.fixed_points[vehicle];
+        let sites = &self.world.sites[vehicle];
         RouteEnds {
-            from: fixed_points.start,
-            to: fixed_points.goal,
+            from: sites.start,
+            to: sites.goal,
             start_s: 0.0,
         }
     }
@@ -198,19 +198,19 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         min_agl: scenario.min_agl,
         max_amsl: scenario.max_amsl,
         layers: vec![Layer::OPEN; scenario.vehicles.len()],
-        fixed_points: fixed_points(scenario),
+        sites: sites(scenario),
     }
 }
 
 /// Where the vehicles of a scenario are.
-fn fixed_points(scenario: &Scenario) -> Vec<FixedPoints> {
+fn sites(scenario: &Scenario) -> Vec<VehicleSites> {
     let on_ground = |at: EastNorth| PlanPoint {
         at,
         amsl: Amsl(scenario.surface.height_m(at)),
     };
     let vehicles = scenario.vehicles.iter();
     vehicles
-        .map(|mover| FixedPoints {
+        .map(|mover| VehicleSites {
             departure: Departure::Ground,
             home: on_ground(mover.start.at),
             start: mover.start,

@@ -166,11 +166,11 @@ impl<'a> Assigner<'a> {
             }
         }
         let mut starts = Vec::new();
-        for fixed_points in &world.fixed_points {
+        for sites in &world.sites {
             starts.push(points.len());
-            points.push(fixed_points.start);
-            points.extend(&fixed_points.stops);
-            points.push(fixed_points.goal);
+            points.push(sites.start);
+            points.extend(&sites.stops);
+            points.push(sites.goal);
         }
         Self {
             spec,

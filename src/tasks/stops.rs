@@ -50,11 +50,11 @@ pub fn free_orders(spec: &MissionSpec, world: &World, seed: u64) -> Option<Vec<F
 #[must_use]
 pub fn in_order(spec: &MissionSpec, world: &World, orders: &[FreeOrder]) -> (MissionSpec, World) {
     let (mut spec, mut world) = (spec.clone(), world.clone());
-    let fleet = spec.vehicles.iter_mut().zip(&mut world.fixed_points);
-    for ((vehicle, fixed_points), found) in fleet.zip(orders) {
+    let fleet = spec.vehicles.iter_mut().zip(&mut world.sites);
+    for ((vehicle, sites), found) in fleet.zip(orders) {
         if !found.order.is_empty() {
             let stops = found.order.iter();
-            fixed_points.stops = stops.map(|&index| fixed_points.stops[index]).collect();
+            sites.stops = stops.map(|&index| sites.stops[index]).collect();
             vehicle.visit_in(&found.order);
         }
     }
@@ -91,12 +91,12 @@ pub fn orders_in_time(
 }
 
 fn free_order(spec: &MissionSpec, world: &World, vehicle: usize, seed: u64) -> FreeOrder {
-    let (own, fixed_points) = (&spec.vehicles[vehicle], &world.fixed_points[vehicle]);
-    let mut points = vec![fixed_points.start];
-    points.extend(&fixed_points.stops);
-    points.push(fixed_points.goal);
+    let (own, sites) = (&spec.vehicles[vehicle], &world.sites[vehicle]);
+    let mut points = vec![sites.start];
+    points.extend(&sites.stops);
+    points.push(sites.goal);
     let mut costs = bounds(spec, world, &points);
-    let after_goal = &route_ends(own, fixed_points)[fixed_points.stops.len() + 1..];
+    let after_goal = &route_ends(own, sites)[sites.stops.len() + 1..];
     let after: f64 = route_bounds(spec, world, after_goal).iter().sum();
     let mut planned: BTreeSet<(usize, usize)> = BTreeSet::new();
     let mut found: Option<(f64, Vec<usize>)> = None;

@@ -84,14 +84,8 @@ impl<'a> Judge<'a> {
         'a: 'm,
     {
         let vehicle = self.spec.vehicles.get(index)?;
-        let fixed_points = self.world.fixed_points.get(index)?;
-        Some(Sortie::new(
-            self.spec,
-            self.world,
-            vehicle,
-            fixed_points,
-            mission,
-        ))
+        let sites = self.world.sites.get(index)?;
+        Some(Sortie::new(self.spec, self.world, vehicle, sites, mission))
     }
 
     /// Whether two flights break the separation, as the verdict judges it.

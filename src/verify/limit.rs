@@ -11,7 +11,7 @@
 //! 2. Only for a new `Topic`, `Repair` or `Basis`: `report/words.rs`, `cli/plan.rs` (`has_column`, and
 //!    `more_columns` by hand), `dispatch/tighten.rs`, `cli/review/without_spec/given.rs` (`BY_FLAG` by
 //!    hand).
-//! 3. The measurement: a margin in `verify/limits/` for missions, with its line in `Contract::margins`, which calls it,
+//! 3. The measurement: a margin in `verify/limits/` for missions, with its line in `MissionCheck::margins`, which calls it,
 //!    and in `flight/conformance/` for flown tracks. Where the flight model changes, its text in `verify/mod.rs` and
 //!    `tools/check_missions.py`.
 //! 4. In flight: a live alarm, where one is due, in `flight/alarms/`, and the way of a return in

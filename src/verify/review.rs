@@ -10,13 +10,13 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, VehicleMission};
 use crate::path::{Departing, max_shift_s};
 use crate::spec::{MissionSpec, Separation, Span, Vehicle};
-use crate::world::{FixedPoints, Layer, World};
+use crate::world::{Layer, VehicleSites, World};
 
 use super::execute::executor;
 use super::execute::flight::Flight;
 use super::execute::home;
 use super::limits::fence::Fence;
-use super::limits::mission::{Contract, coverage, tasks};
+use super::limits::mission::{MissionCheck, coverage, tasks};
 use super::limits::parked::{Landed, landings, landings_on_parked};
 use super::limits::separation;
 use super::limits::space::Space;
@@ -27,7 +27,7 @@ use super::{Limit, Margin, Moment, Review, Track};
 /// One mission and the vehicle it is for.
 pub(super) struct Sortie<'a> {
     vehicle: &'a Vehicle,
-    fixed_points: &'a FixedPoints,
+    sites: &'a VehicleSites,
     mission: &'a VehicleMission,
     /// Place of the home row, if it holds one.
     home: Option<LatLon>,
@@ -88,7 +88,7 @@ impl<'a> Reviewer<'a> {
         let mut margins = roll_call(spec, missions);
         margins.extend(other_world(spec, world));
         let missions: Vec<(usize, &VehicleMission)> = (missions.iter().copied())
-            .filter(|&(index, _)| index < spec.vehicles.len().min(world.fixed_points.len()))
+            .filter(|&(index, _)| index < spec.vehicles.len().min(world.sites.len()))
             .collect();
         let (mut sorties, mut own) = self.sorties(&missions);
         let is_known: Vec<bool> = own.iter().map(Option::is_some).collect();
@@ -101,7 +101,7 @@ impl<'a> Reviewer<'a> {
             .for_each(|(sortie, own)| *own = Some(sortie.margins(spec, world, &space)));
         let own: Vec<Vec<Margin>> = own.into_iter().flatten().collect();
         margins.extend(own.iter().flatten().cloned());
-        let contracts: Vec<Contract<'_>> = sorties
+        let contracts: Vec<MissionCheck<'_>> = sorties
             .iter()
             .map(|sortie| sortie.contract(spec, world))
             .collect();
@@ -153,10 +153,10 @@ impl<'a> Reviewer<'a> {
         known.resize_with(missions.len(), || None);
         let each = missions.par_iter().zip(known);
         each.map(|(&(index, mission), known)| {
-            let (vehicle, fixed_points) = (&spec.vehicles[index], &world.fixed_points[index]);
+            let (vehicle, sites) = (&spec.vehicles[index], &world.sites[index]);
             let known = known.filter(|known| known.mission == *mission);
             let (flight, margins) = known.map(|known| (known.flight, known.margins)).unzip();
-            let flown = Sortie::flown((spec, world), vehicle, fixed_points, mission, flight);
+            let flown = Sortie::flown((spec, world), vehicle, sites, mission, flight);
             (flown, margins)
         })
         .unzip()
@@ -218,7 +218,7 @@ fn other_world(spec: &MissionSpec, world: &World) -> Option<Margin> {
         spec.tasks.len(),
     ];
     let of_world = [
-        world.fixed_points.len(),
+        world.sites.len(),
         world.threats.len(),
         world.zones.len(),
         world.tasks.len(),
@@ -258,43 +258,42 @@ impl<'a> Sortie<'a> {
         spec: &MissionSpec,
         world: &World,
         vehicle: &'a Vehicle,
-        fixed_points: &'a FixedPoints,
+        sites: &'a VehicleSites,
         mission: &'a VehicleMission,
     ) -> Self {
-        Self::flown((spec, world), vehicle, fixed_points, mission, None)
+        Self::flown((spec, world), vehicle, sites, mission, None)
     }
 
     /// The same with the flight of the mission, where it is known.
     fn flown(
         (spec, world): (&MissionSpec, &World),
         vehicle: &'a Vehicle,
-        fixed_points: &'a FixedPoints,
+        sites: &'a VehicleSites,
         mission: &'a VehicleMission,
         flight: Option<Flight>,
     ) -> Self {
         let home = home_place(&mission.home);
         // Without a home row the rest is judged as if the vehicle stood where the spec says.
-        let stands = home.map_or(fixed_points.home, |place| PlanPoint {
+        let stands = home.map_or(sites.home, |place| PlanPoint {
             at: world.frame.to_plan(place),
             amsl: standing(world, place, &mission.home),
         });
         Self {
             vehicle,
-            fixed_points,
+            sites,
             mission,
             home,
             stands,
             fence: Fence::read(&mission.fence),
-            flight: flight.unwrap_or_else(|| {
-                executor::fly(vehicle, mission, spec, world, fixed_points, stands)
-            }),
+            flight: flight
+                .unwrap_or_else(|| executor::fly(vehicle, mission, spec, world, sites, stands)),
         }
     }
 
     pub(super) fn departing(&self) -> Departing<'a> {
         Departing {
             vehicle: self.vehicle,
-            is_airborne: self.fixed_points.departure.is_airborne(),
+            is_airborne: self.sites.departure.is_airborne(),
         }
     }
 
@@ -307,12 +306,12 @@ impl<'a> Sortie<'a> {
         }
     }
 
-    fn contract<'c>(&'c self, spec: &'c MissionSpec, world: &'c World) -> Contract<'c> {
-        Contract {
+    fn contract<'c>(&'c self, spec: &'c MissionSpec, world: &'c World) -> MissionCheck<'c> {
+        MissionCheck {
             spec,
             world,
             vehicle: self.vehicle,
-            fixed_points: self.fixed_points,
+            sites: self.sites,
             mission: self.mission,
             flight: &self.flight,
         }

@@ -48,8 +48,8 @@ pub fn verified_trajectories(
     missions: &[(usize, &VehicleMission)],
 ) -> Vec<VerifiedTrajectory> {
     let known = missions.iter().filter_map(|&(index, mission)| {
-        let (vehicle, fixed_points) = (spec.vehicles.get(index)?, world.fixed_points.get(index)?);
-        let sortie = Sortie::new(spec, world, vehicle, fixed_points, mission);
+        let (vehicle, sites) = (spec.vehicles.get(index)?, world.sites.get(index)?);
+        let sortie = Sortie::new(spec, world, vehicle, sites, mission);
         let segments = sortie
             .flight
             .segments

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::{FixedPoints, World};
+use super::{VehicleSites, World};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::geometry;
 use crate::spec::{Airframe, ApproachLengths, Issue, MissionSpec, SpecFile, Vehicle, Wind};
@@ -73,25 +73,20 @@ impl World {
             };
             // A plane must land on some course, and the verdict says what is in its way.
             let is_plane = vehicle.airframe == Airframe::Plane;
-            let free_rad = self.free_landing_rad(vehicle, &self.fixed_points[index]);
+            let free_rad = self.free_landing_rad(vehicle, &self.sites[index]);
             let landing_rad = free_rad.or(is_plane.then_some(wind.from_rad));
-            let fixed_points = &mut self.fixed_points[index];
-            fixed_points.landing_rad = landing_rad;
-            fixed_points.goal = super::route_end(
-                vehicle,
-                landing_rad,
-                fixed_points.goal,
-                fixed_points.goal_ground,
-            );
+            let sites = &mut self.sites[index];
+            sites.landing_rad = landing_rad;
+            sites.goal = super::route_end(vehicle, landing_rad, sites.goal, sites.goal_ground);
         }
         self
     }
 
     /// The course into the wind, or the nearest to it, on which nothing is in the way of the approach to
     /// a landing; none if there is no such course.
-    fn free_landing_rad(&self, vehicle: &Vehicle, fixed_points: &FixedPoints) -> Option<f64> {
+    fn free_landing_rad(&self, vehicle: &Vehicle, sites: &VehicleSites) -> Option<f64> {
         let wind = vehicle.approach_wind()?;
-        let (touchdown, from) = fixed_points.touchdown(vehicle.finish);
+        let (touchdown, from) = sites.touchdown(vehicle.finish);
         let lengths = vehicle.approach_lengths(from.0 - touchdown.amsl.0)?;
         let turns_m = vehicle.wing?.loiter_radius_m;
         let is_free = |course_rad: &f64, aside_m: f64| {
@@ -141,15 +136,10 @@ impl World {
 
 /// Planes whose course to their landing is left open, where no course is free.
 pub(super) fn blocked(file: &SpecFile, world: &World, paths: &[String]) -> Vec<Issue> {
-    let vehicles = file
-        .spec
-        .vehicles
-        .iter()
-        .zip(&world.fixed_points)
-        .enumerate();
-    let blocked = vehicles.filter(|(_, (vehicle, fixed_points))| {
+    let vehicles = file.spec.vehicles.iter().zip(&world.sites).enumerate();
+    let blocked = vehicles.filter(|(_, (vehicle, sites))| {
         let is_open = vehicle.airframe == Airframe::Plane && vehicle.approach_wind().is_some();
-        is_open && world.free_landing_rad(vehicle, fixed_points).is_none()
+        is_open && world.free_landing_rad(vehicle, sites).is_none()
     });
     let issue = |(index, _): (usize, _)| {
         file.issue(

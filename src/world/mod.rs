@@ -17,8 +17,8 @@ pub use ground::Ground;
 pub use layer::Layer;
 pub use load::{files, load, with_ground};
 pub use reader::{
-    Bounds, TerrainError, TerrainInfo, elevation_files, inspect, is_elevation, read_terrain,
-    system_of, terrain_files,
+    Bounds, TerrainError, TerrainInfo, elevation_files, inspect, is_elevation, prj_path,
+    read_terrain, terrain_files,
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
 pub use unit_warnings::unit_warnings;
@@ -43,7 +43,7 @@ pub struct Disc {
 
 /// The fixed positions of one vehicle, altitudes resolved over the terrain.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FixedPoints {
+pub struct VehicleSites {
     /// How the vehicle begins its path.
     pub departure: Departure,
     /// Where it stands, on the ground.
@@ -98,7 +98,7 @@ pub struct World {
     /// The other limits of altitude of each vehicle, their buffers included.
     pub layers: Vec<Layer>,
     /// Home, start and goal of each vehicle.
-    pub fixed_points: Vec<FixedPoints>,
+    pub sites: Vec<VehicleSites>,
     /// The places of each task.
     pub tasks: Vec<Vec<PlanPoint>>,
     /// What single vehicles are planned among instead, where they pass zones outside of their times;
@@ -131,11 +131,11 @@ impl World {
     pub fn new(spec: &MissionSpec, terrain: Terrain) -> Result<Self, NoData> {
         let frame = spec.frame;
         let area = frame.outline(&spec.area.outline());
-        let fixed_points = spec.vehicles.iter();
-        let fixed_points = fixed_points
-            .map(|vehicle| FixedPoints::of(spec, vehicle, &terrain))
+        let vehicles = spec.vehicles.iter();
+        let sites = vehicles
+            .map(|vehicle| VehicleSites::of(spec, vehicle, &terrain))
             .collect::<Result<_, NoData>>()?;
-        let sites = |task: &Task| {
+        let task_sites = |task: &Task| {
             let stops = task.stops.iter();
             stops
                 .map(|stop| resolve(&frame, &terrain, stop.end))
@@ -144,7 +144,7 @@ impl World {
         let tasks = spec
             .tasks
             .iter()
-            .map(sites)
+            .map(task_sites)
             .collect::<Result<_, NoData>>()?;
         let ground = Arc::new(Ground::sample(&terrain, &frame, &area));
         let world = Self {
@@ -158,7 +158,7 @@ impl World {
             min_agl: spec.area.min_agl,
             max_amsl: spec.area.max_amsl,
             layers: Vec::new(),
-            fixed_points,
+            sites,
             tasks,
             own: Vec::new(),
         };
@@ -214,9 +214,9 @@ impl World {
         &self,
         spec: &MissionSpec,
         vehicle: &Vehicle,
-        fixed_points: &FixedPoints,
+        sites: &VehicleSites,
     ) -> Vec<LowPlace> {
-        let own = vehicle.stops.iter().zip(&fixed_points.stops);
+        let own = vehicle.stops.iter().zip(&sites.stops);
         let tasks = spec.tasks.iter().zip(&self.tasks);
         let tasks = tasks.flat_map(|(task, points)| task.stops.iter().zip(points));
         let low = own.chain(tasks).filter(|(stop, _)| stop.drop_m > 0.0);
@@ -234,7 +234,7 @@ impl World {
     }
 }
 
-impl FixedPoints {
+impl VehicleSites {
     /// Where the vehicle touches down at the end, on the ground, and the altitude from which it comes there.
     #[must_use]
     pub fn touchdown(&self, finish: Finish) -> (PlanPoint, Amsl) {

@@ -22,8 +22,8 @@ const STORM_MPS: f64 = 20.0;
 #[must_use]
 pub fn unit_warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
     let mut warnings = Vec::new();
-    let fixed_points = world.fixed_points.iter();
-    let highest_m = fixed_points
+    let sites = world.sites.iter();
+    let highest_m = sites
         .flat_map(|of| {
             [of.start, of.goal]
                 .into_iter()

@@ -285,13 +285,18 @@ fn a_link_that_falls_silent_is_an_alarm_before_it_counts_as_lost() {
 
 #[test]
 fn a_mode_that_another_station_ordered_is_an_alarm_that_names_both() {
-    let text = alarm_after(AlarmKind::Mode, 0, |sky| sky.order(0, Command::RETURN));
+    let text = alarm_after(AlarmKind::Mode, 0, |sky| {
+        sky.order(0, Command::NAV_RETURN_TO_LAUNCH)
+    });
     assert!(
-        text.contains("left its mission for RTL: ordered by system 255"),
+        text.contains("left its mission for RTL: commanded by system 255"),
         "{text}"
     );
-    let text = alarm_after(AlarmKind::Mode, 1, |sky| sky.order(1, Command::LAND));
-    assert!(text.contains("AUTO.LAND: ordered by system 255"), "{text}");
+    let text = alarm_after(AlarmKind::Mode, 1, |sky| sky.order(1, Command::NAV_LAND));
+    assert!(
+        text.contains("AUTO.LAND: commanded by system 255"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -312,7 +317,7 @@ fn a_mode_that_the_vehicle_took_itself_is_an_alarm_that_says_so() {
         vec![(from, message)]
     }));
     sky.fly_to(FAULT_S);
-    sky.order(0, Command::RETURN);
+    sky.order(0, Command::NAV_RETURN_TO_LAUNCH);
     sky.fly_to(FAULT_S + AT_ONCE_S);
     let mode = alarms(&sky, AlarmKind::Mode);
     let by = "left its mission for RTL: the vehicle itself: Battery 1 Failsafe";
@@ -332,7 +337,7 @@ fn a_mission_that_another_station_clears_is_an_alarm() {
             let route = Route {
                 us: other,
                 vehicle: sky.vehicles[of].address(),
-                list: List::Mission,
+                list: MissionType::Mission,
             };
             let count = Body::Count {
                 count: 0,
@@ -488,7 +493,7 @@ fn an_order_that_is_lost_is_given_again_until_the_vehicle_obeys() {
     sky.up = Some(Box::new(move |now, system, message| {
         let is_mode = matches!(
             message,
-            Message::Flight(FlightMessage::Command { order, .. }) if order.command == Command::SET_MODE
+            Message::Flight(FlightMessage::Command { order, .. }) if order.command == Command::DO_SET_MODE
         );
         // Everything is lost for ten seconds.
         let is_lost = system == 1 && is_mode && now.0 > 60_000 && lost.get() < 25;

@@ -28,7 +28,7 @@ fn flown(plan: &Planned, deaf_ms: u64) -> Sky<'_> {
         let Message::Flight(FlightMessage::Command { order, .. }) = message else {
             return None;
         };
-        let arms = order.command == Command::ARM_DISARM && order.params[0] > 0.5;
+        let arms = order.command == Command::COMPONENT_ARM_DISARM && order.params[0] > 0.5;
         if system != 2 || !arms {
             return None;
         }

@@ -213,7 +213,7 @@ fn who_hovers_when_the_monitoring_ends_is_named_as_in_the_air() {
     let plan = two();
     let mut sky = sky(&plan);
     sky.fly_to(30.0);
-    sky.order(0, Command::LOITER);
+    sky.order(0, Command::NAV_LOITER_UNLIM);
     assert_eq!(sky.fly_out(), Outcome::Flown);
     assert!(matches!(sky.end(0), End::Failed(_)), "{:?}", sky.events);
     assert_eq!(sky.fleet.in_the_air(), ["alpha"], "{:?}", sky.events);

@@ -114,7 +114,7 @@ fn ordered(current: &[(u16, u16)]) -> Option<f32> {
         diversion.handle_timeout(now);
         while let Some(message) = diversion.poll_transmit(now) {
             if let Message::Flight(FlightMessage::Command { order, .. }) = message
-                && order.command == Command::SET_MISSION_CURRENT
+                && order.command == Command::DO_SET_MISSION_CURRENT
             {
                 ordered = ordered.or(Some(order.params[0]));
             }
@@ -164,7 +164,7 @@ fn who_was_taken_over_while_its_new_mission_was_sent_is_not_on_it() {
         while diversion.outcome().is_none() && now < until {
             now = now + 20;
             if is_taken && until - now == 59_900 {
-                let order = Command::new(Command::LOITER, []);
+                let order = Command::new(Command::NAV_LOITER_UNLIM, []);
                 let target = VEHICLE;
                 let order = Message::Flight(FlightMessage::Command { target, order });
                 vehicle.handle(now, US, &order);

@@ -408,12 +408,12 @@ fn a_vehicle_that_somebody_else_holds_is_told_of_and_the_flight_fails() {
     let plan = plan(three(), OnLinkLoss::Continue);
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
     sky.fly_to(50.0);
-    sky.order(0, Command::LOITER);
+    sky.order(0, Command::NAV_LOITER_UNLIM);
     sky.fly_out();
     assert!(
         sky.says(
             "alpha",
-            "left its mission for LOITER: ordered by system 255"
+            "left its mission for LOITER: commanded by system 255"
         ),
         "{:?}",
         sky.events
@@ -533,7 +533,7 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
         for (stop, point) in plan.spec.vehicles[index]
             .stops
             .iter()
-            .zip(&plan.world.fixed_points[index].stops)
+            .zip(&plan.world.sites[index].stops)
         {
             let near = track.fixes.iter().filter(|fix| {
                 let at = plan.world.frame.to_plan(fix.place);
@@ -605,13 +605,13 @@ fn a_copter_places_its_load_on_the_ground_and_flies_on() {
     let report = plan.judge(&sky);
     assert!(report.passes(), "{report:#?}");
     let (_, track) = sky.fleet.flown().next().expect("flown");
-    let at = plan.world.fixed_points[0].stops[0].at;
+    let at = plan.world.sites[0].stops[0].at;
     let below = track
         .fixes
         .iter()
         .filter(|fix| plan.world.frame.to_plan(fix.place).distance_m(at) < 3.0);
     let lowest_m = below.map(|fix| fix.amsl.0).fold(f64::INFINITY, f64::min);
-    let ground_m = plan.world.fixed_points[0].stops[0].amsl.0 - 80.0;
+    let ground_m = plan.world.sites[0].stops[0].amsl.0 - 80.0;
     assert!((lowest_m - ground_m).abs() < 1.0, "{lowest_m} {ground_m}");
 }
 
@@ -633,7 +633,7 @@ fn a_copter_comes_down_to_a_low_place_and_its_limits_hold() {
         let report = plan.judge(&sky);
         assert!(report.passes(), "{report:#?}");
         let (_, track) = sky.fleet.flown().next().expect("flown");
-        let top = plan.world.fixed_points[0].stops[0];
+        let top = plan.world.sites[0].stops[0];
         let near = track.fixes.iter().filter(|fix| {
             let at = plan.world.frame.to_plan(fix.place);
             at.distance_m(top.at) < 3.0 && (fix.amsl.0 - (top.amsl.0 - 74.0)).abs() < 1.5

@@ -34,7 +34,7 @@ fn held(plan: &Planned) -> Sky<'_> {
 fn who_was_held_and_is_brought_down_by_somebody_else_is_seen_to_stop_its_motors() {
     let plan = two();
     let mut sky = held(&plan);
-    sky.order(0, Command::LAND);
+    sky.order(0, Command::NAV_LAND);
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
     assert_eq!((sky.end(0), sky.end(1)), (End::StoppedAfterHold, End::Held));
     let told = "stopped its motors after it was ordered to hold";
@@ -103,7 +103,7 @@ fn a_landing_that_is_acknowledged_and_not_flown_is_ordered_again_until_the_mode_
         let Message::Flight(FlightMessage::Command { target, order }) = message else {
             return None;
         };
-        if system != 1 || order.command != Command::SET_MODE {
+        if system != 1 || order.command != Command::DO_SET_MODE {
             return None;
         }
         orders += 1;

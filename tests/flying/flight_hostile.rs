@@ -38,7 +38,8 @@ fn order(message: &Message) -> Option<Command> {
 /// Whether it is the command to arm (1) or to disarm (0).
 fn is_arming(message: &Message, arms: f32) -> bool {
     order(message).is_some_and(|order| {
-        order.command == Command::ARM_DISARM && order.params[0].to_bits() == arms.to_bits()
+        order.command == Command::COMPONENT_ARM_DISARM
+            && order.params[0].to_bits() == arms.to_bits()
     })
 }
 
@@ -71,7 +72,7 @@ fn a_vehicle_that_disarms_itself_while_another_refuses_is_armed_again_before_t0(
         }
         let began = first.get().unwrap_or(now);
         first.set(Some(began));
-        let refused = ack(US, Command::ARM_DISARM, CommandResult::FAILED);
+        let refused = ack(US, Command::COMPONENT_ARM_DISARM, CommandResult::FAILED);
         (now - began < 13_000).then(|| vec![(autopilot(2), refused)])
     }));
     sky.fly_to(0.1);
@@ -95,7 +96,11 @@ fn an_answer_to_another_ground_station_or_from_another_component_arms_nobody() {
         let plan = two(OnLinkLoss::Continue);
         let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
         sky.up = Some(Box::new(move |_, system, message| {
-            let accepted = ack(target, Command::ARM_DISARM, CommandResult::ACCEPTED);
+            let accepted = ack(
+                target,
+                Command::COMPONENT_ARM_DISARM,
+                CommandResult::ACCEPTED,
+            );
             (system == 2 && is_arming(message, 1.0)).then(|| vec![(from, accepted)])
         }));
         let Outcome::NotStarted(why) = sky.fly_out() else {
@@ -111,7 +116,7 @@ fn a_vehicle_that_accepts_to_arm_and_is_not_armed_starts_nobody() {
     let plan = two(OnLinkLoss::Continue);
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
     sky.up = Some(Box::new(|_, system, message| {
-        let accepted = ack(US, Command::ARM_DISARM, CommandResult::ACCEPTED);
+        let accepted = ack(US, Command::COMPONENT_ARM_DISARM, CommandResult::ACCEPTED);
         (system == 2 && is_arming(message, 1.0)).then(|| vec![(autopilot(2), accepted)])
     }));
     let Outcome::NotStarted(why) = sky.fly_out() else {
@@ -133,7 +138,7 @@ fn a_vehicle_that_does_not_disarm_is_ordered_to_until_it_does() {
     // Bravo never arms; alpha's order to disarm is lost for 8 s.
     let first = Cell::new(None);
     sky.up = Some(Box::new(move |now, system, message| {
-        let refused = ack(US, Command::ARM_DISARM, CommandResult::FAILED);
+        let refused = ack(US, Command::COMPONENT_ARM_DISARM, CommandResult::FAILED);
         if system == 2 && is_arming(message, 1.0) {
             return Some(vec![(autopilot(2), refused)]);
         }
@@ -169,7 +174,12 @@ fn a_vehicle_that_cannot_be_disarmed_is_named_as_still_armed() {
         message => vec![(from, message)],
     }));
     sky.up = Some(Box::new(move |_, system, message| {
-        let refused = |from| vec![(from, ack(US, Command::ARM_DISARM, CommandResult::FAILED))];
+        let refused = |from| {
+            vec![(
+                from,
+                ack(US, Command::COMPONENT_ARM_DISARM, CommandResult::FAILED),
+            )]
+        };
         if system == 1 && is_arming(message, 0.0) {
             counted.set(counted.get() + 1);
             return Some(refused(autopilot(1)));
@@ -238,12 +248,12 @@ fn a_vehicle_that_never_gets_the_order_to_hold_is_not_said_to_hold() {
     let counted = Rc::clone(&orders);
     // The first orders are answered for it, and never reach it.
     sky.up = Some(Box::new(move |_, system, message| {
-        let is_hold = order(message).is_some_and(|order| order.command == Command::SET_MODE);
+        let is_hold = order(message).is_some_and(|order| order.command == Command::DO_SET_MODE);
         if system != 1 || !is_hold {
             return None;
         }
         counted.set(counted.get() + 1);
-        let accepted = ack(US, Command::SET_MODE, CommandResult::ACCEPTED);
+        let accepted = ack(US, Command::DO_SET_MODE, CommandResult::ACCEPTED);
         (counted.get() <= 12).then(|| vec![(autopilot(1), accepted)])
     }));
     // Bravo stands still in the air in its mission, as at a waypoint with a hold.

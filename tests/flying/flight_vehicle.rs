@@ -153,13 +153,13 @@ impl Bench {
     fn start(&mut self) {
         match self.profile {
             Profile::ArduPilot => {
-                assert_eq!(self.order(Command::SET_MODE, [1.0, 4.0]), ACCEPTED);
-                assert_eq!(self.order(Command::ARM_DISARM, [1.0]), ACCEPTED);
+                assert_eq!(self.order(Command::DO_SET_MODE, [1.0, 4.0]), ACCEPTED);
+                assert_eq!(self.order(Command::COMPONENT_ARM_DISARM, [1.0]), ACCEPTED);
                 assert_eq!(self.order(Command::MISSION_START, [0.0, 0.0]), ACCEPTED);
             }
             _ => {
-                assert_eq!(self.order(Command::ARM_DISARM, [1.0]), ACCEPTED);
-                assert_eq!(self.order(Command::SET_MODE, [1.0, 4.0, 4.0]), ACCEPTED);
+                assert_eq!(self.order(Command::COMPONENT_ARM_DISARM, [1.0]), ACCEPTED);
+                assert_eq!(self.order(Command::DO_SET_MODE, [1.0, 4.0, 4.0]), ACCEPTED);
             }
         }
     }
@@ -326,7 +326,7 @@ fn a_hold_stops_it_and_the_mission_goes_on_from_there() {
         let hold = bench.last();
         assert!(hold.speed_mps > 14.0, "{hold:?}");
         let current = bench.current;
-        assert_eq!(bench.order(Command::LOITER, []), ACCEPTED);
+        assert_eq!(bench.order(Command::NAV_LOITER_UNLIM, []), ACCEPTED);
         bench.fly(30.0);
         let held = bench.last();
         assert!(held.speed_mps < 0.1, "{held:?}");
@@ -335,8 +335,8 @@ fn a_hold_stops_it_and_the_mission_goes_on_from_there() {
         let drift = (still.at_m[0] - held.at_m[0]).hypot(still.at_m[1] - held.at_m[1]);
         assert!(drift < 0.2, "{drift} m");
         let back = match profile {
-            Profile::ArduPilot => bench.order(Command::SET_MODE, [1.0, 3.0]),
-            _ => bench.order(Command::SET_MODE, [29.0, 4.0, 4.0]),
+            Profile::ArduPilot => bench.order(Command::DO_SET_MODE, [1.0, 3.0]),
+            _ => bench.order(Command::DO_SET_MODE, [29.0, 4.0, 4.0]),
         };
         assert_eq!(back, ACCEPTED);
         bench.fly(5.0);
@@ -355,7 +355,7 @@ fn a_landing_that_was_ordered_comes_down_where_it_is() {
         bench.start();
         bench.fly(60.0);
         let at = bench.last().at_m;
-        assert_eq!(bench.order(Command::LAND, []), ACCEPTED);
+        assert_eq!(bench.order(Command::NAV_LAND, []), ACCEPTED);
         bench.fly_until_disarmed(200.0);
         let end = bench.last().at_m;
         let moved = (end[0] - at[0]).hypot(end[1] - at[1]);
@@ -420,7 +420,7 @@ fn a_delay_is_waited_on_the_ground_and_a_slow_start_stops_the_motors() {
         // Armed, and nothing said for long.
         let mut bench = Bench::new(profile, set_up(profile));
         bench.load(&dog_leg());
-        assert_eq!(bench.order(Command::ARM_DISARM, [1.0]), ACCEPTED);
+        assert_eq!(bench.order(Command::COMPONENT_ARM_DISARM, [1.0]), ACCEPTED);
         bench.fly(12.0);
         assert!(!bench.vehicle.is_armed());
         assert_eq!(bench.texts, ["Disarmed: no takeoff"]);
@@ -431,14 +431,14 @@ fn a_delay_is_waited_on_the_ground_and_a_slow_start_stops_the_motors() {
 fn what_cannot_be_is_refused_and_what_is_not_known_is_said_to_be() {
     let mut copter = Bench::new(Profile::ArduPilot, set_up(Profile::ArduPilot));
     assert_eq!(
-        copter.order(Command::SET_MODE, [1.0, 3.0]),
+        copter.order(Command::DO_SET_MODE, [1.0, 3.0]),
         CommandResult::DENIED,
         "no mission"
     );
     copter.load(&dog_leg());
-    assert_eq!(copter.order(Command::SET_MODE, [1.0, 3.0]), ACCEPTED);
+    assert_eq!(copter.order(Command::DO_SET_MODE, [1.0, 3.0]), ACCEPTED);
     assert_eq!(
-        copter.order(Command::ARM_DISARM, [1.0]),
+        copter.order(Command::COMPONENT_ARM_DISARM, [1.0]),
         CommandResult::FAILED
     );
     assert_eq!(copter.texts, ["Arm: Mode not armable"]);
@@ -451,13 +451,13 @@ fn what_cannot_be_is_refused_and_what_is_not_known_is_said_to_be() {
     copter.start();
     copter.fly(30.0);
     assert_eq!(
-        copter.order(Command::ARM_DISARM, [0.0]),
+        copter.order(Command::COMPONENT_ARM_DISARM, [0.0]),
         CommandResult::FAILED,
         "in the air"
     );
     let mut generic = Bench::new(Profile::Generic, Surroundings::default());
     assert_eq!(
-        generic.order(Command::ARM_DISARM, [1.0]),
+        generic.order(Command::COMPONENT_ARM_DISARM, [1.0]),
         CommandResult::UNSUPPORTED
     );
 }
@@ -468,7 +468,7 @@ fn px4_is_led_to_an_item_by_message_alone_and_not_while_items_are_read() {
     bench.load(&dog_leg());
     bench.start();
     bench.fly(20.0);
-    let refused = bench.order(Command::SET_MISSION_CURRENT, [2.0]);
+    let refused = bench.order(Command::DO_SET_MISSION_CURRENT, [2.0]);
     assert_eq!(refused, CommandResult::UNSUPPORTED);
     let target = bench.vehicle.address();
     let set = Message::Flight(FlightMessage::SetCurrent { target, seq: 2 });

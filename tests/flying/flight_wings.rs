@@ -170,9 +170,7 @@ fn wings_fly_past_their_stops() {
         assert_eq!(report.vehicles[0].end, "landed");
         let (_, flown) = sky.fleet.flown().next().expect("flown");
         let mut since_s = 0.0;
-        for (stop, point) in
-            (plan.spec.vehicles[0].stops.iter()).zip(&plan.world.fixed_points[0].stops)
-        {
+        for (stop, point) in (plan.spec.vehicles[0].stops.iter()).zip(&plan.world.sites[0].stops) {
             let after = flown.fixes.iter().filter(|fix| fix.t_s > since_s);
             let away = |fix: &Fix| {
                 fix.place
@@ -451,10 +449,7 @@ fn a_simulated_arduplane_climbs_out_as_fast_as_the_real_one_whatever_is_planned(
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
     let (_, flown) = sky.fleet.flown().next().expect("flown");
-    let (home, start) = (
-        plan.world.fixed_points[0].home,
-        plan.world.fixed_points[0].start,
-    );
+    let (home, start) = (plan.world.sites[0].home, plan.world.sites[0].start);
     let when_s = |amsl_m: f64| {
         let mut fixes = flown.fixes.iter();
         let above = fixes.find(|fix| fix.amsl.0 >= amsl_m);

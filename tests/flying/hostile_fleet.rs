@@ -48,7 +48,7 @@ fn is_arming(message: &Message) -> bool {
     let Message::Flight(FlightMessage::Command { order, .. }) = message else {
         return false;
     };
-    order.command == Command::ARM_DISARM && order.params[0].to_bits() == 1_f32.to_bits()
+    order.command == Command::COMPONENT_ARM_DISARM && order.params[0].to_bits() == 1_f32.to_bits()
 }
 
 /// Bravo refuses to arm for 13 s, while the others, once armed, disarm themselves after 10 s.
@@ -60,7 +60,7 @@ fn refusals(sky: &mut Sky<'_>) {
         }
         let began = first.get().unwrap_or(now);
         first.set(Some(began));
-        let refused = accepts(US, Command::ARM_DISARM, CommandResult::FAILED);
+        let refused = accepts(US, Command::COMPONENT_ARM_DISARM, CommandResult::FAILED);
         (now - began < 13_000).then(|| vec![(autopilot(2), refused)])
     }));
 }
@@ -81,8 +81,8 @@ fn forgeries(sky: &mut Sky<'_>) {
         let mut heard = Vec::new();
         if number.get().is_multiple_of(13) {
             for command in [
-                Command::ARM_DISARM,
-                Command::SET_MODE,
+                Command::COMPONENT_ARM_DISARM,
+                Command::DO_SET_MODE,
                 Command::MISSION_START,
             ] {
                 heard.push((from, accepts(other, command, CommandResult::ACCEPTED)));
@@ -206,8 +206,8 @@ fn injuries(sky: &mut Sky<'_>, now_s: &Rc<Cell<f64>>) -> Rc<RefCell<u32>> {
             *sent.borrow_mut() += 1;
         }
         let is_order = matches!(message, Message::Flight(FlightMessage::Command { order, .. })
-            if order.command == Command::SET_MODE);
-        let refused = accepts(US, Command::SET_MODE, CommandResult::DENIED);
+            if order.command == Command::DO_SET_MODE);
+        let refused = accepts(US, Command::DO_SET_MODE, CommandResult::DENIED);
         (system == 1 && is_order && t_s.get() > 60.0).then(|| vec![(autopilot(1), refused)])
     }));
     sky.down = Some(Box::new(move |_, from, mut message| {

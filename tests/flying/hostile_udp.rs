@@ -123,7 +123,7 @@ impl Peer {
             return None;
         };
         let mut truth = self.truth.lock().expect("no panic");
-        let arms = order.command == Command::ARM_DISARM && order.params[0] > 0.5;
+        let arms = order.command == Command::COMPONENT_ARM_DISARM && order.params[0] > 0.5;
         let now = Instant::now();
         if arms {
             let first = *truth.first_arming.get_or_insert(now);
@@ -131,7 +131,7 @@ impl Peer {
             let refused = ack(US, order.command, CommandResult::FAILED);
             return (self.index == 1 && is_refused).then_some(refused);
         }
-        let starts = [Command::SET_MODE, Command::MISSION_START].contains(&order.command);
+        let starts = [Command::DO_SET_MODE, Command::MISSION_START].contains(&order.command);
         let is_armed = truth.armed[self.index];
         let denied = Some(ack(US, order.command, CommandResult::DENIED));
         match self.index {
@@ -194,8 +194,8 @@ impl Peer {
         };
         if self.number.is_multiple_of(13) {
             for command in [
-                Command::ARM_DISARM,
-                Command::SET_MODE,
+                Command::COMPONENT_ARM_DISARM,
+                Command::DO_SET_MODE,
                 Command::MISSION_START,
             ] {
                 let accepted = CommandResult::ACCEPTED;

@@ -256,7 +256,7 @@ fn exchange(sky: &mut Sky<'_>) {
             None => vec![(from, message)],
         }
     }));
-    let items = sky.vehicles[0].items(List::Mission).to_vec();
+    let items = sky.vehicles[0].items(MissionType::Mission).to_vec();
     let target = sky.vehicles[0].address();
     let say = |body| {
         Message::Mission(MissionMessage {
@@ -282,8 +282,11 @@ fn exchange(sky: &mut Sky<'_>) {
             sky.vehicles[0].handle(now, OTHER, &say(Body::ItemInt { seq, current, item }));
         }
     }
-    assert_eq!(sky.vehicles[0].items(List::Mission).len(), items.len());
-    assert_ne!(sky.vehicles[0].items(List::Mission), &items[..]);
+    assert_eq!(
+        sky.vehicles[0].items(MissionType::Mission).len(),
+        items.len()
+    );
+    assert_ne!(sky.vehicles[0].items(MissionType::Mission), &items[..]);
 }
 
 #[test]

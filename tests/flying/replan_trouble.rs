@@ -204,7 +204,7 @@ pub(super) fn order(runs: &Path, vehicle: &str, system: u8, mode: f32) {
         system,
         component: 1,
     };
-    let order = Command::new(Command::SET_MODE, [1.0, mode]);
+    let order = Command::new(Command::DO_SET_MODE, [1.0, mode]);
     links.send(
         system,
         Message::Flight(FlightMessage::Command { target, order }),

@@ -209,7 +209,7 @@ fn a_vehicle_that_leaves_its_hold_to_land_by_itself_is_an_alarm_that_names_the_m
     sky.fleet.intervene(sky.now, Intervention::Hold);
     sky.fly_to(70.0);
     assert!(sky.says("alpha", "holds"), "{:?}", sky.events);
-    sky.order(0, Command::LAND);
+    sky.order(0, Command::NAV_LAND);
     sky.fly_to(74.0);
     let text = "ALARM mode: left its hold for LAND, and is not ordered again";
     assert_eq!(count(&sky, "alpha", text), 1, "{:?}", sky.events);

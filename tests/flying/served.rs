@@ -5,7 +5,9 @@ use std::path::Path;
 use crate::support::sky::{Planned, Sky, US, plan_spec};
 
 use serde_json::Value;
-use sortie::flight::{Fix, Outcome, Reference, ServiceState, flight_json, flight_page, judge};
+use sortie::flight::{
+    Fix, Outcome, ReferenceTrajectory, ServiceState, flight_json, flight_page, judge,
+};
 use sortie::link::{Command, FlightMessage, Message};
 use sortie::mission::command;
 use sortie::spec::SpecFile;
@@ -183,7 +185,7 @@ fn a_load_that_goes_down_as_a_new_mission_is_taken_over_is_seen_placed() {
     let (end_s, lands) = (new.reference.end_s, new.reference.lands);
     let top_m = waypoints[first].point.amsl.0;
     let ahead = waypoints[first - 1..].to_vec();
-    new.reference = Reference::of_waypoints(ahead, (end_s, lands), plan.world.frame);
+    new.reference = ReferenceTrajectory::of_waypoints(ahead, (end_s, lands), plan.world.frame);
     let lowers = |fix: &&mut Fix| fix.item < row || fix.amsl.0 > top_m - 1.2;
     let lowered = flight.flown.fixes.iter_mut().skip_while(lowers);
     lowered.for_each(|fix| fix.items = new.items);
@@ -199,7 +201,7 @@ fn a_load_that_goes_down_as_a_new_mission_is_taken_over_is_seen_placed() {
 fn jump(sky: &mut Sky<'_>, index: usize, row: usize, first_row: u16) {
     let target = sky.vehicles[index].address();
     let seq = u16::try_from(row).expect("small") - first_row;
-    let order = Command::new(Command::SET_MISSION_CURRENT, [f32::from(seq)]);
+    let order = Command::new(Command::DO_SET_MISSION_CURRENT, [f32::from(seq)]);
     let message = Message::Flight(match first_row {
         0 => FlightMessage::Command { target, order },
         // PX4 does not know the command.

@@ -50,12 +50,12 @@ fn take_over_of<'a>(
     lines.extend(more.iter().map(Line::text));
     let name = "flight-1.jsonl";
     std::fs::write(folder.path().join(name), lines.join("\n") + "\n").expect("written");
-    let mut underway = Underway::new(folder.path().to_owned(), BTreeMap::new(), 1.0);
-    underway.notice.record = name.to_owned();
-    underway.notice.t0_unix_ms = Some(T0_MS);
-    underway.notice.ended = ended;
+    let mut handoff = FlightHandoff::new(folder.path().to_owned(), BTreeMap::new(), 1.0);
+    handoff.notice.record = name.to_owned();
+    handoff.notice.t0_unix_ms = Some(T0_MS);
+    handoff.notice.ended = ended;
     let frame = plan.world.frame;
-    let flight = Interrupted::find(folder.path(), &underway, frame).expect("a record");
+    let flight = Interrupted::find(folder.path(), &handoff, frame).expect("a record");
     let itineraries = plan.itineraries();
     let missions = plan.dispatched.missions.iter().zip(plan.references());
     let assignments = missions

@@ -309,7 +309,7 @@ fn positions_of_one_that_does_not_stop_its_motors_are_recorded_until_it_is_given
             command: order.command,
             result: CommandResult::FAILED,
         };
-        let is_disarm = system == 1 && order.command == Command::ARM_DISARM;
+        let is_disarm = system == 1 && order.command == Command::COMPONENT_ARM_DISARM;
         is_disarm.then(|| vec![(*target, Message::Flight(ack))])
     }));
     sky.fly_out();

@@ -140,11 +140,11 @@ fn reading_a_part_gives_the_same_heights_as_reading_all() {
     }
     assert!(matches!(
         read_terrain(&path, bounds(40.0, -84.9, 40.1, -84.8)),
-        Err(TerrainError::Elsewhere { .. })
+        Err(TerrainError::ReturnTargets { .. })
     ));
     assert!(matches!(
         read_terrain(&path, bounds(36.1, 84.8, 36.2, 84.9)),
-        Err(TerrainError::Elsewhere { .. })
+        Err(TerrainError::ReturnTargets { .. })
     ));
 }
 
@@ -367,7 +367,7 @@ fn a_spec_finds_its_terrain_beside_it_and_the_ground_agrees_with_it() {
     .expect("written");
     let file = SpecFile::read(&path).expect("a spec");
     let world = world::load(&file).expect("a world");
-    let start = world.fixed_points[0].start;
+    let start = world.sites[0].start;
     assert!(
         (start.amsl.0 - (0.46 * 1200.0 + 0.46 * 2400.0 + 80.0)).abs() < 1e-2,
         "{start:?}"

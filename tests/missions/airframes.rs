@@ -33,10 +33,10 @@ fn vtol(autopilot: Autopilot) -> Vehicle {
 
 /// The mission of the only vehicle along straight routes.
 fn built(spec: &MissionSpec, world: &World) -> VehicleMission {
-    let (vehicle, fixed_points) = (&spec.vehicles[0], &world.fixed_points[0]);
-    let mut ends = vec![fixed_points.start, fixed_points.goal];
+    let (vehicle, sites) = (&spec.vehicles[0], &world.sites[0]);
+    let mut ends = vec![sites.start, sites.goal];
     if vehicle.finish == Finish::Return {
-        ends.push(sortie::path::homeward_end(vehicle, fixed_points));
+        ends.push(sortie::path::homeward_end(vehicle, sites));
     }
     let routes: Vec<_> = ends
         .windows(2)
@@ -188,7 +188,7 @@ fn a_circle_is_kept_for_ever_and_others_stay_away_from_its_rim() {
     spec.vehicles[1].goal.place = beside(-84.19);
     let world = world(&spec);
     let first = built(&spec, &world);
-    let route = [world.fixed_points[1].start, world.fixed_points[1].goal];
+    let route = [world.sites[1].start, world.sites[1].goal];
     let route = time_route(&route, 0.0, 15.0, 2.5);
     let mut second = mission::build(&spec, &world, 1, &[route]).expect("a mission");
     // Its takeoff is 60 m (6689e-7 degrees) ahead on its leg, to which it turns its nose: else it may be beside all of
@@ -351,7 +351,7 @@ fn lands_on(spec: &mut MissionSpec, heading_deg: Option<f64>) {
 
 /// The course on which it lands, degrees.
 fn landing_deg(spec: &MissionSpec) -> Option<f64> {
-    let course_rad = world(spec).fixed_points[0].landing_rad;
+    let course_rad = world(spec).sites[0].landing_rad;
     course_rad.map(|rad| rad.to_degrees().round())
 }
 
@@ -801,17 +801,12 @@ fn clearance_outside_a_corner(mut vehicle: Vehicle) -> f64 {
         radius_m: 50.0,
     });
     let world = world(&spec);
-    let fixed_points = &world.fixed_points[0];
+    let sites = &world.sites[0];
     let corner = sortie::geodesy::PlanPoint {
         at: world.frame.to_plan(place(36.30, -84.25)),
-        ..fixed_points.start
+        ..sites.start
     };
-    let route = time_route(
-        &[fixed_points.start, corner, fixed_points.goal],
-        0.0,
-        15.0,
-        2.5,
-    );
+    let route = time_route(&[sites.start, corner, sites.goal], 0.0, 15.0, 2.5);
     let mission = mission::build(&spec, &world, 0, &[route]).expect("a mission");
     let review = verify::review(&spec, &world, &[(0, &mission)]);
     margin(&review, Limit::Threat("mast".to_owned())).value

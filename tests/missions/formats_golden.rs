@@ -29,7 +29,7 @@ fn corner(command: u16, param1: f32, x: i32, y: i32) -> Item {
 fn rally(x: i32, y: i32, z: f32) -> Item {
     Item {
         autocontinue: false,
-        ..item(command::RALLY_POINT, 3, [0.0; 4], x, y, z)
+        ..item(command::NAV_RALLY_POINT, 3, [0.0; 4], x, y, z)
     }
 }
 

@@ -35,7 +35,7 @@ fn fleet() -> (MissionSpec, World, Vec<TimedPoint>) {
         ..Zone::default()
     }];
     let world = world(&spec);
-    let (start, goal) = (world.fixed_points[0].start, world.fixed_points[0].goal);
+    let (start, goal) = (world.sites[0].start, world.sites[0].goal);
     let middle = PlanPoint::new(100.0, 200.0, Amsl(555.5));
     let path = [(start, 16.0), (middle, 400.25), (goal, 800.0)]
         .map(|(point, t_s)| TimedPoint { point, t_s })

@@ -2,7 +2,7 @@
 
 use sortie::autopilot::{Airframe, Autopilot, Version, facts};
 use sortie::mission::{
-    AcceptanceProblem, Home, Item, List, Parameter, VehicleMission, command, problems,
+    AcceptanceProblem, Home, Item, MissionType, Parameter, VehicleMission, command, problems,
 };
 
 use Autopilot::{ArduPilot, Px4};
@@ -617,7 +617,10 @@ fn a_fence_and_its_rally_points_fit_the_storage() {
             .collect();
         assert_eq!(
             told,
-            [(List::Fence, "item count"), (List::Rally, "item count")]
+            [
+                (MissionType::Fence, "item count"),
+                (MissionType::Rally, "item count")
+            ]
         );
     }
 }

@@ -8,7 +8,9 @@ use std::collections::BTreeSet;
 
 use proptest::prelude::*;
 use sortie::geodesy::{Agl, Amsl, LatLon, PlanPoint};
-use sortie::mission::{self, Item, List, MissionError, VehicleMission, command, frame, problems};
+use sortie::mission::{
+    self, Item, MissionError, MissionType, VehicleMission, command, frame, problems,
+};
 use sortie::path::TimedPoint;
 use sortie::spec::*;
 use sortie::world::World;
@@ -71,14 +73,14 @@ fn spec_of(change: impl FnOnce(&mut MissionSpec)) -> (MissionSpec, World) {
 }
 
 fn out_and_back(world: &World) -> (Vec<TimedPoint>, Vec<TimedPoint>) {
-    let fixed_points = world.fixed_points[0].clone();
+    let sites = world.sites[0].clone();
     let over_home = PlanPoint {
-        at: fixed_points.home.at,
-        amsl: fixed_points.start.amsl,
+        at: sites.home.at,
+        amsl: sites.start.amsl,
     };
     (
-        curved(fixed_points.start, fixed_points.goal, 1500.0),
-        curved(fixed_points.goal, over_home, 1500.0),
+        curved(sites.start, sites.goal, 1500.0),
+        curved(sites.goal, over_home, 1500.0),
     )
 }
 
@@ -119,7 +121,7 @@ fn legs_are_cut_where_the_map_of_ardupilot_would_bend_them() {
         let mut spec = empty_spec(vec![copter("alpha", 1, START, far)]);
         spec.vehicles[0].autopilot = autopilot;
         let world = world(&spec);
-        let route = straight(world.fixed_points[0].start, world.fixed_points[0].goal);
+        let route = straight(world.sites[0].start, world.sites[0].goal);
         let mission = mission::build(&spec, &world, 0, &[route]).expect("a mission");
         let at = |item: &&Item| item.command == command::NAV_WAYPOINT;
         let places = mission.items.iter().filter(at).map(|item| LatLon {
@@ -137,10 +139,7 @@ fn legs_are_cut_where_the_map_of_ardupilot_would_bend_them() {
 #[test]
 fn an_ardupilot_copter_takes_off_sets_its_speed_flies_and_lands() {
     let (spec, world) = spec_of(|_| {});
-    let routes = [straight(
-        world.fixed_points[0].start,
-        world.fixed_points[0].goal,
-    )];
+    let routes = [straight(world.sites[0].start, world.sites[0].goal)];
     let mission = mission::build(&spec, &world, 0, &routes).expect("a mission");
     assert_eq!(commands(&mission), [22, 178, 16, 21]);
     let [takeoff, speed, goal, land] = mission.items[..] else {
@@ -374,8 +373,8 @@ fn the_fence_holds_the_area_the_threats_and_zones_without_a_height() {
         .iter()
         .map(|item| (item.command, item.params[0]))
         .collect();
-    let corner = command::FENCE_POLYGON_INCLUSION;
-    let out = command::FENCE_POLYGON_EXCLUSION;
+    let corner = command::NAV_FENCE_POLYGON_VERTEX_INCLUSION;
+    let out = command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION;
     assert_eq!(
         fence,
         [
@@ -419,7 +418,7 @@ fn too_many_items_are_told_with_count_and_limit() {
     let error = mission::build(&spec, &world, 0, std::slice::from_ref(&out)).expect_err("too many");
     let MissionError::TooManyItems {
         ref vehicle,
-        list: List::Mission,
+        list: MissionType::Mission,
         count,
         limit: 5,
         ..
@@ -513,7 +512,7 @@ proptest! {
             spec.mission.max_items = 600;
             spec.vehicles[0].goal.altitude = Placement::Agl(Agl(200.0 + rise_m));
         });
-        let path = curved(world.fixed_points[0].start, world.fixed_points[0].goal, side_m);
+        let path = curved(world.sites[0].start, world.sites[0].goal, side_m);
         let mission = mission::build(&spec, &world, 0, std::slice::from_ref(&path)).expect("a mission");
         let mut points = vec![decoded(&world, &mission.items[0])];
         points.extend(mission.items.iter().filter(|item| item.command == 16).map(|item| decoded(&world, item)));

@@ -48,7 +48,7 @@ fn example(autopilot: Autopilot, altitude: AltitudeReference) -> VehicleMission 
         agl: Agl(80.0),
     }];
     let world = world(&spec);
-    let (start, goal) = (world.fixed_points[0].start, world.fixed_points[0].goal);
+    let (start, goal) = (world.sites[0].start, world.sites[0].goal);
     let route: Vec<TimedPoint> = (0..=200)
         .map(|step| {
             let share = f64::from(step) / 200.0;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use lossy_proxy::{LossyProxy, Radio};
 use mavsdk::Peer;
-use sortie::link::{List, TransferReport, Verdict};
+use sortie::link::{MissionType, TransferReport, Verdict};
 use sortie::mission::Item;
 use sortie::simulator::{Profile, Simulated, spawn};
 use sortie::spec::{Autopilot, Link};
@@ -76,7 +76,7 @@ fn loaded_by_others(python: &Path, profile: Profile, tool: &str, percent: u32) {
     let proxy = LossyProxy::to(vehicle.address(), Radio::losing(percent, 1));
     let port = proxy.near.port().to_string();
     let result = peers::run(python, "vehicle_ground_station.py", &[tool, &port, "12"]);
-    let held = vehicle.items(List::Mission);
+    let held = vehicle.items(MissionType::Mission);
     // ArduPilot has the first one, home, to itself.
     let first = i32::from(profile == Profile::ArduPilot);
     let whole: Vec<Item> = (first..12).map(waypoint).collect();

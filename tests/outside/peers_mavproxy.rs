@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-use sortie::link::List;
+use sortie::link::MissionType;
 use sortie::mission::{Item, command};
 use sortie::simulator::{Profile, Simulated, spawn};
 use tempfile::TempDir;
@@ -97,7 +97,7 @@ fn mavproxy_loads_lists_and_clears_the_simulated_vehicles() {
         station.until("online system 3");
         station.command("wp load m.waypoints");
         station.until("MISSION_ACK: TYPE_MISSION: ACCEPTED");
-        let held: Vec<Item> = vehicle.items(List::Mission);
+        let held: Vec<Item> = vehicle.items(MissionType::Mission);
         let commands: Vec<u16> = held.iter().map(|item| item.command).collect();
         let sent = [
             command::NAV_TAKEOFF,
@@ -124,6 +124,6 @@ fn mavproxy_loads_lists_and_clears_the_simulated_vehicles() {
         }
         station.command("wp clear");
         station.until("MISSION_ACK: TYPE_MISSION: ACCEPTED");
-        assert_eq!(vehicle.items(List::Mission), [], "{profile:?}");
+        assert_eq!(vehicle.items(MissionType::Mission), [], "{profile:?}");
     }
 }

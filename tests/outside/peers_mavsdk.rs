@@ -4,7 +4,7 @@
 use crate::support::{mavsdk, peers, ports, transfers};
 use mavsdk::Peer;
 use serde_json::Value;
-use sortie::link::{List, TransferReport, Verdict};
+use sortie::link::{MissionType, TransferReport, Verdict};
 use sortie::mission::{Item, VehicleMission, command, frame};
 use sortie::simulator::{Profile, Simulated, spawn};
 use sortie::spec::{Autopilot, Link};
@@ -133,7 +133,7 @@ fn mavsdk_and_pymavlink_load_the_simulated_vehicles() {
                     "{profile:?} {tool}: {item}"
                 );
             }
-            let items = vehicle.items(List::Mission);
+            let items = vehicle.items(MissionType::Mission);
             assert_eq!(
                 items.len(),
                 if profile == Profile::ArduPilot {
@@ -144,7 +144,11 @@ fn mavsdk_and_pymavlink_load_the_simulated_vehicles() {
             );
             let result = peers::run(&python, script, &[tool, &port, "3", "clear"]);
             assert!(result["error"].is_null(), "{profile:?} {tool}: {result}");
-            assert_eq!(vehicle.items(List::Mission), [], "{profile:?} {tool}");
+            assert_eq!(
+                vehicle.items(MissionType::Mission),
+                [],
+                "{profile:?} {tool}"
+            );
         }
     }
 }

@@ -157,9 +157,9 @@ zones:
         }
         // Zones with heights are in no fence; the others are, and the way lies in it.
         let (inclusions, polygons, circles) = (
-            fence_items(&items, command::FENCE_POLYGON_INCLUSION),
-            fence_items(&items, command::FENCE_POLYGON_EXCLUSION),
-            fence_items(&items, command::FENCE_CIRCLE_EXCLUSION),
+            fence_items(&items, command::NAV_FENCE_POLYGON_VERTEX_INCLUSION),
+            fence_items(&items, command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION),
+            fence_items(&items, command::NAV_FENCE_CIRCLE_EXCLUSION),
         );
         assert!(
             inclusions >= 4,
@@ -215,7 +215,7 @@ fn airspace_and_obstacles_of_files_hold_for_the_items_of_both() {
         let zones = &mission.spec().no_fly;
         let source = zones[0].source.as_deref().unwrap_or_default();
         assert!(source.starts_with("prison.geojson"), "{source}");
-        let exclusions = fence_items(&items, command::FENCE_POLYGON_EXCLUSION);
+        let exclusions = fence_items(&items, command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION);
         assert_eq!(exclusions, 4, "{autopilot}");
     }
 }

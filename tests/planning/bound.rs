@@ -36,13 +36,8 @@ fn around_a_threat_the_bound_is_two_tangents_and_an_arc() {
     let mut spec = quick(empty_spec(vec![copter("alpha", 1, WEST, EAST)]));
     spec.threats = vec![threat("radar-1", place(36.302, -84.25), 3000.0)];
     let (world, plan) = plan(&spec);
-    let (fixed_points, disc) = (world.fixed_points[0].clone(), world.threats[0]);
-    let exact_km = around_km(
-        fixed_points.start.at,
-        fixed_points.goal.at,
-        disc.center,
-        disc.radius_m,
-    );
+    let (sites, disc) = (world.sites[0].clone(), world.threats[0]);
+    let exact_km = around_km(sites.start.at, sites.goal.at, disc.center, disc.radius_m);
     let share = plan.vehicles[0].bound / (exact_km + ends_km());
     assert!((0.9995..=1.0).contains(&share), "{share}");
 }
@@ -64,14 +59,9 @@ fn ground_that_reaches_the_ceiling_is_gone_around() {
     let (world, plan) = plan(&spec);
     // 400 + 900 exp(-d^2/r^2) + 60 = 900.
     let radius_m = 3000.0 * (900.0_f64 / 440.0).ln().sqrt();
-    let fixed_points = world.fixed_points[0].clone();
+    let sites = world.sites[0].clone();
     let center = world.frame.to_plan(top);
-    let exact_km = around_km(
-        fixed_points.start.at,
-        fixed_points.goal.at,
-        center,
-        radius_m,
-    );
+    let exact_km = around_km(sites.start.at, sites.goal.at, center, radius_m);
     let share = plan.vehicles[0].bound / exact_km;
     assert!((0.998..=1.0).contains(&share), "{share}");
 }
@@ -102,10 +92,7 @@ fn a_zone_that_can_be_flown_over_costs_no_more_than_the_way_around_and_nothing_i
     );
     let straight_km = {
         let (world, _) = plan(&empty_spec(vec![copter("alpha", 1, WEST, EAST)]));
-        world.fixed_points[0]
-            .start
-            .distance_m(world.fixed_points[0].goal)
-            / 1000.0
+        world.sites[0].start.distance_m(world.sites[0].goal) / 1000.0
     };
     let min_km = straight_km + ends_km();
     assert!((low - min_km).abs() < 0.02 * ends_km(), "{low} {min_km}");
@@ -130,8 +117,8 @@ fn over_a_zone_that_nobody_can_pass_beside_the_bound_is_the_climb() {
         ..Zone::default()
     }];
     let (world, plan) = plan(&spec);
-    let fixed_points = world.fixed_points[0].clone();
-    let straight_m = fixed_points.start.at.distance_m(fixed_points.goal.at);
+    let sites = world.sites[0].clone();
+    let straight_m = sites.start.at.distance_m(sites.goal.at);
     // 700 m is 240 m above the least height over 400 m, and 220 m above the ends.
     let side_m2 = |slope_deg: f64| 240.0 * 240.0 / (2.0 * slope_deg.to_radians().tan());
     let altitude = 1e-6 * (side_m2(15.0) + side_m2(10.0));
@@ -185,8 +172,8 @@ proptest! {
             })
             .collect();
         let (world, plan) = plan(&spec);
-        let (vehicle, fixed_points) = (&plan.vehicles[0], &world.fixed_points[0]);
-        let straight_km = fixed_points.start.distance_m(fixed_points.goal) / 1000.0;
+        let (vehicle, sites) = (&plan.vehicles[0], &world.sites[0]);
+        let straight_km = sites.start.distance_m(sites.goal) / 1000.0;
         prop_assert!(vehicle.bound >= straight_km);
         prop_assert!(vehicle.estimate >= vehicle.bound);
         if vehicle.terms.is_clean() {

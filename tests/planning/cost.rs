@@ -81,11 +81,11 @@ impl Path {
 }
 
 fn leg(world: &World, spec: &MissionSpec, vehicle: usize) -> RouteEnds {
-    let fixed_points = &world.fixed_points[vehicle];
+    let sites = &world.sites[vehicle];
     RouteEnds {
-        from: fixed_points.start,
-        to: fixed_points.goal,
-        start_s: route_start_s(&spec.vehicles[vehicle], fixed_points),
+        from: sites.start,
+        to: sites.goal,
+        start_s: route_start_s(&spec.vehicles[vehicle], sites),
     }
 }
 
@@ -202,7 +202,7 @@ fn first_flight(spec: &MissionSpec, world: &World) -> Flight {
     let leg = leg(world, spec, 0);
     flight(
         &spec.vehicles[0],
-        &world.fixed_points[0],
+        &world.sites[0],
         &[Path::straight(&leg).points(101)],
     )
 }

@@ -58,14 +58,8 @@ fn over_flat_ground_a_copter_flies_the_straight_line() {
     assert!(vehicle.estimate >= vehicle.bound);
     assert!(vehicle.evaluations <= spec.planner.evaluations);
     let path = &vehicle.routes[0].path;
-    assert_eq!(
-        path.first().map(|p| p.point),
-        Some(world.fixed_points[0].start)
-    );
-    assert_eq!(
-        path.last().map(|p| p.point),
-        Some(world.fixed_points[0].goal)
-    );
+    assert_eq!(path.first().map(|p| p.point), Some(world.sites[0].start));
+    assert_eq!(path.last().map(|p| p.point), Some(world.sites[0].goal));
     assert!(path.windows(2).all(|pair| pair[0].t_s <= pair[1].t_s));
 }
 
@@ -268,8 +262,8 @@ fn a_vehicle_that_returns_has_a_second_route_to_over_its_home() {
     };
     assert_eq!(out.path.last(), back.path.first());
     let end = back.path.last().expect("a path").point;
-    assert_eq!(end.at, world.fixed_points[0].home.at);
-    assert_eq!(end.amsl, world.fixed_points[0].start.amsl);
+    assert_eq!(end.at, world.sites[0].home.at);
+    assert_eq!(end.amsl, world.sites[0].start.amsl);
     assert!(vehicle.evaluations <= spec.planner.evaluations);
     assert!(vehicle.terms.length < 1.001 * vehicle.bound);
 }
@@ -401,7 +395,7 @@ proptest! {
         };
         let (world, plan) = plan(&spec);
         let vehicle = &plan.vehicles[0];
-        let straight_km = world.fixed_points[0].start.distance_m(world.fixed_points[0].goal) / 1000.0;
+        let straight_km = world.sites[0].start.distance_m(world.sites[0].goal) / 1000.0;
         prop_assert!((vehicle.bound - straight_km).abs() < 1e-9);
         prop_assert!(vehicle.terms.total() >= vehicle.bound - 1e-9);
         prop_assert!(vehicle.estimate >= vehicle.bound);

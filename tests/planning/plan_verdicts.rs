@@ -50,8 +50,8 @@ fn a_goal_behind_a_closed_ring_is_blocked_by_threats_of_the_ring_and_no_others()
 
 /// What closes every way from the start of a vehicle to its goal.
 fn blocking_sets(world: &World, vehicle: usize) -> Vec<BlockingElement> {
-    let fixed_points = &world.fixed_points[vehicle];
-    BlockingSets::of(world).between(fixed_points.start.at, fixed_points.goal.at)
+    let sites = &world.sites[vehicle];
+    BlockingSets::of(world).between(sites.start.at, sites.goal.at)
 }
 
 /// Whether it is proven that nobody can fly from the start of a vehicle to its goal.

@@ -29,7 +29,7 @@ fn specs() -> Vec<SpecFile> {
 fn every_shipped_mission_is_good_and_its_ground_is_known() {
     for file in specs() {
         let world = world::load(&file).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(world.fixed_points.len(), file.spec.vehicles.len());
+        assert_eq!(world.sites.len(), file.spec.vehicles.len());
         let name = file.path.file_stem().and_then(|stem| stem.to_str());
         assert_eq!(name, Some(file.spec.name.as_str()), "named as its file");
         assert!(
@@ -63,8 +63,8 @@ fn every_threat_of_jacksboro_lies_on_a_straight_way() {
     let world = world::load(file).expect("a world");
     assert!(world.threats.len() >= 5);
     for (threat, disc) in file.spec.threats.iter().zip(&world.threats) {
-        let matters = world.fixed_points.iter().any(|fixed_points| {
-            let (start, goal) = (fixed_points.start.at, fixed_points.goal.at);
+        let matters = world.sites.iter().any(|sites| {
+            let (start, goal) = (sites.start.at, sites.goal.at);
             (0..=1000).any(|step| {
                 let t = f64::from(step) / 1000.0;
                 disc.contains(EastNorth {

@@ -89,7 +89,7 @@ fn routes_are_summed_and_begin_after_the_rest_at_the_stop_before() {
     };
     for (index, rest_s) in [(0, 10.0), (1, 1.0)] {
         let (arrival, departure) = (ends(index).1, ends(index + 1).0);
-        assert_eq!(arrival.point, world.fixed_points[0].stops[index]);
+        assert_eq!(arrival.point, world.sites[0].stops[index]);
         assert!((departure.t_s - arrival.t_s - rest_s).abs() < 1e-9);
     }
     let straight_m: f64 = (0..3)
@@ -130,8 +130,8 @@ fn a_stop_left_out_cut_short_or_out_of_order_fails() {
     let mut other_way = spec.clone();
     other_way.vehicles[0].stops.reverse();
     let world = World {
-        fixed_points: world
-            .fixed_points
+        sites: world
+            .sites
             .iter()
             .map(|own| {
                 let mut own = own.clone();
@@ -338,21 +338,16 @@ fn evaluate_takes_the_routes_one_after_the_other_and_sums_their_costs() {
     let mut cost = [0.0];
     whole.evaluate(&row, &mut cost);
     // Each route as the only one of a vehicle of its own.
-    let fixed_points = &world.fixed_points[0];
-    let places = [
-        fixed_points.start,
-        fixed_points.stops[0],
-        fixed_points.stops[1],
-        fixed_points.goal,
-    ];
+    let sites = &world.sites[0];
+    let places = [sites.start, sites.stops[0], sites.stops[1], sites.goal];
     let mut sum = 0.0;
     for (index, pair) in places.windows(2).enumerate() {
         let mut alone = spec.clone();
         alone.vehicles[0].stops.clear();
         alone.vehicles[0].speed_mps = if index == 0 { 10.0 } else { 7.0 };
         let mut world = world.clone();
-        world.fixed_points[0].stops.clear();
-        (world.fixed_points[0].start, world.fixed_points[0].goal) = (pair[0], pair[1]);
+        world.sites[0].stops.clear();
+        (world.sites[0].start, world.sites[0].goal) = (pair[0], pair[1]);
         let specs = objective_specs(&alone, &world, 0);
         let part = objective(&specs, &world, 0, EarlierFlights::none(), 101);
         let mut own = [0.0];

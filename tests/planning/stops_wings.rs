@@ -106,7 +106,7 @@ fn a_stop_of_a_wing_left_out_moved_or_out_of_order_fails_and_so_do_its_actions()
         // The way from the second stop to the third leads over the first.
         swapped.vehicles[0].stops.swap(1, 2);
         let mut other = world.clone();
-        other.fixed_points[0].stops.swap(1, 2);
+        other.sites[0].stops.swap(1, 2);
         let order = failed(&review(&swapped, &other, &[(0, mission)]));
         assert!(names(&order, "stop t2"), "{order:?}");
         for (number, action) in spec.vehicles[0].stops[0].actions.iter().enumerate() {

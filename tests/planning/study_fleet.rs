@@ -57,7 +57,7 @@ fn the_beginning_of_the_shipped_fleet_keeps_every_limit() {
     let mut world = world::load(&file).expect("ground");
     let mut spec = file.spec;
     spec.vehicles.truncate(30);
-    world.fixed_points.truncate(30);
+    world.sites.truncate(30);
     let dispatched = dispatch(&spec, &world, 1, &|_| ());
     let failed: Vec<_> = dispatched
         .review

@@ -155,8 +155,8 @@ pub(crate) fn hilly_spec(ids: [&str; 3]) -> MissionSpec {
 
 /// A curved flight from start to goal, 80 m above ground but for a dip.
 fn flight(world: &World, index: usize) -> Vec<TimedPoint> {
-    let fixed_points = &world.fixed_points[index];
-    let (start, goal) = (fixed_points.start.at, fixed_points.goal.at);
+    let sites = &world.sites[index];
+    let (start, goal) = (sites.start.at, sites.goal.at);
     let bend_m = [3100.0, -2600.0, 2300.0][index % 3];
     let (across_e, across_n) = (goal.north_m - start.north_m, start.east_m - goal.east_m);
     let span_m = start.distance_m(goal);
@@ -198,7 +198,7 @@ fn moment(world: &World, timed: &TimedPoint, item: usize) -> Moment {
 
 /// Takeoff, the path, landing; an item every 12 points.
 fn track(world: &World, id: &str, index: usize, path: &[TimedPoint]) -> Track {
-    let home = world.fixed_points[index].home;
+    let home = world.sites[index].home;
     let (first, last) = (path[0], path[path.len() - 1]);
     let mut moments = vec![moment(
         world,
@@ -291,8 +291,8 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
         .vehicles
         .iter()
         .zip(&tracks)
-        .zip(&world.fixed_points)
-        .map(|((vehicle, track), fixed_points)| mission(vehicle, fixed_points.home, track))
+        .zip(&world.sites)
+        .map(|((vehicle, track), sites)| mission(vehicle, sites.home, track))
         .collect();
     let plan = FleetPlan {
         seed: 7,

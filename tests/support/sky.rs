@@ -86,11 +86,11 @@ pub fn plan_shipped(name: &str, change: impl FnOnce(&mut MissionSpec)) -> Planne
 }
 
 impl Planned {
-    pub fn references(&self) -> Vec<Reference> {
+    pub fn references(&self) -> Vec<ReferenceTrajectory> {
         let missions = self.dispatched.missions.iter();
         missions
             .zip(&self.dispatched.review.tracks)
-            .map(|((_, mission), track)| Reference::new(mission, track, &self.world))
+            .map(|((_, mission), track)| ReferenceTrajectory::new(mission, track, &self.world))
             .collect()
     }
 

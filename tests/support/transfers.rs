@@ -37,7 +37,7 @@ pub fn waypoint(n: i32) -> Item {
 /// One corner of an inclusion polygon of so many.
 pub fn corner(n: i32, corners: u8) -> Item {
     Item {
-        command: command::FENCE_POLYGON_INCLUSION,
+        command: command::NAV_FENCE_POLYGON_VERTEX_INCLUSION,
         params: [f32::from(corners), 0.0, 0.0, 0.0],
         z: 0.0,
         ..waypoint(n)
@@ -46,7 +46,7 @@ pub fn corner(n: i32, corners: u8) -> Item {
 
 pub fn rally(n: i32) -> Item {
     Item {
-        command: command::RALLY_POINT,
+        command: command::NAV_RALLY_POINT,
         frame: frame::GLOBAL_RELATIVE_ALT,
         z: 80.0,
         ..waypoint(n)

@@ -16,7 +16,7 @@ fn a_fence_that_another_station_clears_unheard_is_found_at_the_end_and_put_back(
         for at in (40..2400).step_by(40) {
             let mut scene = Scene::new(11, CLEAR, vehicle(profile), &mission);
             scene.deaf = true;
-            let clear = say(VEHICLE, List::Fence, Body::ClearAll);
+            let clear = say(VEHICLE, MissionType::Fence, Body::ClearAll);
             scene.stranger.push((Time(at), STRANGER, clear));
             let report = scene.run();
             let ended = scene.ether.now;
@@ -40,7 +40,7 @@ fn a_list_that_another_station_is_heard_to_change_is_changed_by_it_and_not_verif
     for profile in PROFILES {
         let mission = mission(profile, 20);
         let item = mission.items[1];
-        let to_it = |body| (STRANGER, say(VEHICLE, List::Fence, body));
+        let to_it = |body| (STRANGER, say(VEHICLE, MissionType::Fence, body));
         // One with our system id is another Sortie.
         let twin = Address {
             component: US.component - 1,
@@ -55,16 +55,16 @@ fn a_list_that_another_station_is_heard_to_change_is_changed_by_it_and_not_verif
             current: 0,
             item,
         };
-        let accepted = say(STRANGER, List::Fence, ack(MissionResult::ACCEPTED));
+        let accepted = say(STRANGER, MissionType::Fence, ack(MissionResult::ACCEPTED));
         let heard = [
             to_it(Body::ClearAll),
             to_it(count),
             to_it(row),
             (VEHICLE, accepted),
-            (twin, say(VEHICLE, List::Fence, Body::ClearAll)),
+            (twin, say(VEHICLE, MissionType::Fence, Body::ClearAll)),
             (
                 VEHICLE,
-                say(twin, List::Fence, ack(MissionResult::ACCEPTED)),
+                say(twin, MissionType::Fence, ack(MissionResult::ACCEPTED)),
             ),
         ];
         for (name, message) in heard {
@@ -92,7 +92,7 @@ fn a_list_that_another_station_is_heard_to_change_is_changed_by_it_and_not_verif
 fn another_station_that_clears_everything_is_named_with_all_lists() {
     let mission = mission(Profile::Px4, 5);
     let mut scene = Scene::new(11, CLEAR, vehicle(Profile::Px4), &mission);
-    let Message::Mission(clear) = say(VEHICLE, List::Mission, Body::ClearAll) else {
+    let Message::Mission(clear) = say(VEHICLE, MissionType::Mission, Body::ClearAll) else {
         panic!("a message of the mission protocol")
     };
     let clear = MissionMessage {
@@ -114,7 +114,7 @@ fn a_list_that_another_station_reads_is_verified_all_the_same() {
     for profile in PROFILES {
         let mission = mission(profile, 20);
         let mut scene = Scene::new(11, CLEAR, vehicle(profile), &mission);
-        let read = say(VEHICLE, List::Rally, Body::RequestList);
+        let read = say(VEHICLE, MissionType::Rally, Body::RequestList);
         scene.stranger.push((Time(5), STRANGER, read));
         let report = scene.run();
         assert_eq!(report.verdict, Verdict::Verified, "{profile:?} {report:?}");
@@ -132,7 +132,7 @@ fn an_item_that_changes_after_it_was_read_is_found() {
         let Verdict::Failed(Failure::Different { list, count, .. }) = report.verdict else {
             panic!("{profile:?} {report:?}")
         };
-        assert_eq!((list, count), (List::Mission, 1));
+        assert_eq!((list, count), (MissionType::Mission, 1));
     }
 }
 
@@ -171,7 +171,7 @@ fn a_list_that_changes_again_and_again_is_given_up() {
     let mut scene = Scene::new(11, CLEAR, vehicle(Profile::Px4), &mission);
     scene.deaf = true;
     for at in (50..60_000).step_by(50) {
-        let clear = say(VEHICLE, List::Rally, Body::ClearAll);
+        let clear = say(VEHICLE, MissionType::Rally, Body::ClearAll);
         scene.stranger.push((Time(at), STRANGER, clear));
     }
     let report = scene.run();

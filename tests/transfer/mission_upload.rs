@@ -48,17 +48,17 @@ pub(crate) fn mission(profile: Profile, waypoints: u16) -> VehicleMission {
     }
 }
 
-fn wanted(mission: &VehicleMission, list: List) -> &[Item] {
+fn wanted(mission: &VehicleMission, list: MissionType) -> &[Item] {
     match list {
-        List::Mission => &mission.items,
-        List::Fence => &mission.fence,
-        List::Rally => &mission.rally,
+        MissionType::Mission => &mission.items,
+        MissionType::Fence => &mission.fence,
+        MissionType::Rally => &mission.rally,
     }
 }
 
 /// Whether a vehicle holds exactly these lists, as its autopilot keeps them.
 pub(crate) fn holds(vehicle: &Vehicle, profile: Profile, mission: &VehicleMission) -> bool {
-    List::ALL.into_iter().all(|list| {
+    MissionType::ALL.into_iter().all(|list| {
         let expected: Vec<Item> = wanted(mission, list)
             .iter()
             .map(|item| match profile {
@@ -258,7 +258,7 @@ pub(crate) fn vehicle(profile: Profile) -> Vehicle {
     Vehicle::new(profile, 1, Some(HOME), Time(0))
 }
 
-pub(crate) fn say(target: Address, list: List, body: Body) -> Message {
+pub(crate) fn say(target: Address, list: MissionType, body: Body) -> Message {
     Message::Mission(MissionMessage {
         target,
         mission_type: list.mission_type(),
@@ -278,7 +278,7 @@ pub(crate) fn ack(result: MissionResult) -> Body {
 const ROUTE: Route = Route {
     us: US,
     vehicle: VEHICLE,
-    list: List::Mission,
+    list: MissionType::Mission,
 };
 
 fn upload(items: u16) -> Upload {
@@ -289,7 +289,7 @@ fn upload(items: u16) -> Upload {
 }
 
 fn hear(upload: &mut Upload, now: u64, body: Body) {
-    upload.handle(Time(now), VEHICLE, &say(US, List::Mission, body));
+    upload.handle(Time(now), VEHICLE, &say(US, MissionType::Mission, body));
 }
 
 /// What it sends now, in short.
@@ -336,15 +336,15 @@ fn only_the_vehicle_speaking_to_us_about_this_list_counts() {
     sent(&mut machine);
     let request = |target, list| say(target, list, Body::RequestInt { seq: 0 });
     for (from, message) in [
-        (STRANGER, request(US, List::Mission)),
-        (VEHICLE, request(STRANGER, List::Mission)),
-        (VEHICLE, request(US, List::Fence)),
+        (STRANGER, request(US, MissionType::Mission)),
+        (VEHICLE, request(STRANGER, MissionType::Mission)),
+        (VEHICLE, request(US, MissionType::Fence)),
         (
             Address {
                 component: 100,
                 ..VEHICLE
             },
-            request(US, List::Mission),
+            request(US, MissionType::Mission),
         ),
     ] {
         machine.handle(Time(5), from, &message);
@@ -358,7 +358,7 @@ fn only_the_vehicle_speaking_to_us_about_this_list_counts() {
                 system: 0,
                 component: 0,
             },
-            List::Mission,
+            MissionType::Mission,
         ),
     );
     assert_eq!(sent(&mut machine), ["item 0"]);
@@ -666,7 +666,7 @@ fn the_deadline_holds_whatever_else_arrives() {
         machine.handle(
             Time(now),
             STRANGER,
-            &say(US, List::Mission, Body::Request { seq: 1 }),
+            &say(US, MissionType::Mission, Body::Request { seq: 1 }),
         );
         machine.handle_timeout(Time(now));
         sent(&mut machine);
@@ -693,7 +693,7 @@ fn more_items_than_a_count_can_say_are_refused_before_anything_is_sent() {
 fn a_download_asks_one_by_one_ignores_duplicates_and_ends_with_an_ack() {
     let mut machine = Download::new(ROUTE, Time(60_000), Time(0));
     let mut hear = |now, body| {
-        machine.handle(Time(now), VEHICLE, &say(US, List::Mission, body));
+        machine.handle(Time(now), VEHICLE, &say(US, MissionType::Mission, body));
         std::iter::from_fn(|| machine.poll_transmit()).collect::<Vec<_>>()
     };
     let item = |seq| Body::ItemInt {
@@ -703,9 +703,9 @@ fn a_download_asks_one_by_one_ignores_duplicates_and_ends_with_an_ack() {
     };
     assert_eq!(
         hear(1, item(0)),
-        [say(VEHICLE, List::Mission, Body::RequestList)]
+        [say(VEHICLE, MissionType::Mission, Body::RequestList)]
     );
-    let request = |seq| [say(VEHICLE, List::Mission, Body::RequestInt { seq })];
+    let request = |seq| [say(VEHICLE, MissionType::Mission, Body::RequestInt { seq })];
     assert_eq!(
         hear(
             10,
@@ -731,7 +731,11 @@ fn a_download_asks_one_by_one_ignores_duplicates_and_ends_with_an_ack() {
     );
     assert_eq!(
         hear(50, item(1)),
-        [say(VEHICLE, List::Mission, ack(MissionResult::ACCEPTED))]
+        [say(
+            VEHICLE,
+            MissionType::Mission,
+            ack(MissionResult::ACCEPTED)
+        )]
     );
     assert_eq!(machine.outcome(), Some(&Ok(vec![waypoint(0), waypoint(1)])));
 }
@@ -744,8 +748,8 @@ fn a_download_of_nothing_is_complete_and_acknowledged_at_once() {
         count: 0,
         opaque_id: 0,
     };
-    machine.handle(Time(5), VEHICLE, &say(US, List::Mission, none));
-    let closing = say(VEHICLE, List::Mission, ack(MissionResult::ACCEPTED));
+    machine.handle(Time(5), VEHICLE, &say(US, MissionType::Mission, none));
+    let closing = say(VEHICLE, MissionType::Mission, ack(MissionResult::ACCEPTED));
     assert_eq!(machine.poll_transmit(), Some(closing));
     assert_eq!(machine.outcome(), Some(&Ok(Vec::new())));
 }
@@ -768,7 +772,7 @@ fn read_from(answer: impl Fn(u16) -> Option<Body>) -> (Option<DownloadError>, Ti
                 _ => None,
             };
             if let Some(body) = answered {
-                machine.handle(now, VEHICLE, &say(US, List::Mission, body));
+                machine.handle(now, VEHICLE, &say(US, MissionType::Mission, body));
             }
         }
         now = now + 20;
@@ -912,7 +916,7 @@ fn a_full_vehicle_fails_and_says_so() {
         panic!("{report:?}")
     };
     assert_eq!(failure.to_string(), "mission: refused with NO_SPACE");
-    assert_eq!(scene.vehicle.items(List::Mission), []);
+    assert_eq!(scene.vehicle.items(MissionType::Mission), []);
 }
 
 #[test]
@@ -965,7 +969,7 @@ fn what_a_foreign_ground_station_says_and_hears_is_not_ours() {
                 system: 9,
                 component: 1,
             };
-            let list = List::ALL[usize::try_from(at.0 % 3).expect("small")];
+            let list = MissionType::ALL[usize::try_from(at.0 % 3).expect("small")];
             for (name, target, body) in [
                 (other, STRANGER, ack(MissionResult::ACCEPTED)),
                 (other, US, ack(MissionResult::ACCEPTED)),
@@ -1001,7 +1005,11 @@ fn a_foreign_upload_in_progress_is_waited_for() {
             count: 9,
             opaque_id: 0,
         };
-        busy.handle(Time(0), STRANGER, &say(VEHICLE, List::Mission, count));
+        busy.handle(
+            Time(0),
+            STRANGER,
+            &say(VEHICLE, MissionType::Mission, count),
+        );
         let mut scene = Scene::new(11, CLEAR, busy, &mission);
         let report = scene.run();
         assert_eq!(report.verdict, Verdict::Verified, "{profile:?} {report:?}");
@@ -1030,7 +1038,7 @@ fn a_stale_acceptance_at_the_start_is_no_success() {
         let mission = mission(profile, 10);
         let mut scene = Scene::new(12, CLEAR, vehicle(profile), &mission);
         scene.mute = true;
-        for list in List::ALL {
+        for list in MissionType::ALL {
             for at in (0..40_000).step_by(100) {
                 let stale = say(US, list, ack(MissionResult::ACCEPTED));
                 scene.stranger.push((Time(at), VEHICLE, stale));

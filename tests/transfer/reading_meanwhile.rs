@@ -19,7 +19,7 @@ struct Writer {
 
 impl Writer {
     fn begin(&mut self, now: Time) {
-        let (us, vehicle, list) = (STRANGER, VEHICLE, List::Mission);
+        let (us, vehicle, list) = (STRANGER, VEHICLE, MissionType::Mission);
         let route = Route { us, vehicle, list };
         let rows = self.rows.iter().map(|row| (*row, 0)).collect();
         let upload = Upload::new(route, rows, 4000, now + 60_000, now);
@@ -44,7 +44,7 @@ fn read(vehicle: &mut Vehicle, writer: &mut Writer, after: usize) -> Result<Onbo
         now = now + 10;
         if reading
             .progress()
-            .is_some_and(|(list, items)| list == List::Mission && items >= after)
+            .is_some_and(|(list, items)| list == MissionType::Mission && items >= after)
         {
             writer.begin(now);
         }
@@ -84,7 +84,7 @@ fn loaded(profile: Profile) -> (Vehicle, Vec<Item>) {
     let mission = mission(profile, 20);
     let mut scene = Scene::new(11, CLEAR, vehicle(profile), &mission);
     assert_eq!(scene.run().verdict, Verdict::Verified);
-    let mut rows = scene.vehicle.items(List::Mission).to_vec();
+    let mut rows = scene.vehicle.items(MissionType::Mission).to_vec();
     for row in &mut rows {
         row.z += 60.0;
     }
@@ -116,7 +116,7 @@ fn a_mission_that_another_station_replaces_while_it_is_read_is_no_mix_of_both() 
                         .upload
                         .is_some_and(|upload| upload.outcome().is_some())
                 );
-                let held = vehicle.items(List::Mission);
+                let held = vehicle.items(MissionType::Mission);
                 assert_eq!(
                     onboard.mission, held,
                     "{profile:?} deaf: {deaf} after {after}"
@@ -132,7 +132,7 @@ fn a_list_that_another_station_writes_again_and_again_is_not_read_and_it_is_name
     let (mut vehicle, _) = loaded(Profile::Px4);
     let mut reading = Reading::new(Some(VEHICLE.system), US, Time(100_000));
     let mut now = Time(100_000);
-    let accepted = say(STRANGER, List::Rally, ack(MissionResult::ACCEPTED));
+    let accepted = say(STRANGER, MissionType::Rally, ack(MissionResult::ACCEPTED));
     while reading.outcome().is_none() && now < Time(400_000) {
         now = now + 10;
         reading.handle_timeout(now);

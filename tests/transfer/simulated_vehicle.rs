@@ -56,7 +56,7 @@ impl Bench {
             .collect()
     }
 
-    fn hear_from(&mut self, from: Address, list: List, body: Body) -> Vec<String> {
+    fn hear_from(&mut self, from: Address, list: MissionType, body: Body) -> Vec<String> {
         let message = Message::Mission(MissionMessage {
             target: self.vehicle.address(),
             mission_type: list.mission_type(),
@@ -67,7 +67,7 @@ impl Bench {
     }
 
     fn hear(&mut self, body: Body) -> Vec<String> {
-        self.hear_from(US, List::Mission, body)
+        self.hear_from(US, MissionType::Mission, body)
     }
 
     fn count(&mut self, count: u16) -> Vec<String> {
@@ -131,7 +131,7 @@ fn px4_asks_every_270_ms_and_gives_up_after_five_seconds_without_an_ack() {
         Some("Operation timeout")
     );
     assert_eq!(
-        bench.vehicle.items(List::Mission).len(),
+        bench.vehicle.items(MissionType::Mission).len(),
         4,
         "the old mission stays"
     );
@@ -144,7 +144,7 @@ fn ardupilot_is_not_atomic_a_count_alone_cuts_the_mission() {
     bench.count(5);
     bench.wait(20_000);
     assert_eq!(
-        bench.vehicle.items(List::Mission).len(),
+        bench.vehicle.items(MissionType::Mission).len(),
         4,
         "five rows with home"
     );
@@ -159,7 +159,7 @@ fn ardupilot_is_not_atomic_a_count_alone_cuts_the_mission() {
     assert_eq!(bench.item(2, strange), ["UNSUPPORTED"]);
     let places: Vec<i32> = bench
         .vehicle
-        .items(List::Mission)
+        .items(MissionType::Mission)
         .iter()
         .map(|i| i.x - HOME.x)
         .collect();
@@ -176,7 +176,10 @@ fn ardupilot_answers_duplicates_late_items_and_other_ground_stations_as_measured
         count: 7,
         opaque_id: 0,
     };
-    assert_eq!(bench.hear_from(OTHER, List::Mission, count), ["DENIED"]);
+    assert_eq!(
+        bench.hear_from(OTHER, MissionType::Mission, count),
+        ["DENIED"]
+    );
     assert_eq!(bench.hear(Body::RequestList), ["DENIED"]);
     let cancel = Body::Ack {
         result: MissionResult::OPERATION_CANCELLED,
@@ -288,7 +291,7 @@ fn each_refuses_what_it_refuses() {
 fn an_inconsistent_fence_leaves_the_old_one_on_ardupilot() {
     let mut bench = Bench::new(Profile::ArduPilot);
     let corner = |n, corners| Item {
-        command: command::FENCE_POLYGON_INCLUSION,
+        command: command::NAV_FENCE_POLYGON_VERTEX_INCLUSION,
         params: [corners, 0.0, 0.0, 0.0],
         ..waypoint(n)
     };
@@ -297,13 +300,13 @@ fn an_inconsistent_fence_leaves_the_old_one_on_ardupilot() {
             count: 3,
             opaque_id: 0,
         };
-        bench.hear_from(US, List::Fence, count);
+        bench.hear_from(US, MissionType::Fence, count);
         let mut said = Vec::new();
         for seq in 0..3 {
             let (current, item) = (0, corner(seq, corners));
-            said = bench.hear_from(US, List::Fence, Body::ItemInt { seq, current, item });
+            said = bench.hear_from(US, MissionType::Fence, Body::ItemInt { seq, current, item });
         }
-        (said, bench.vehicle.items(List::Fence).len())
+        (said, bench.vehicle.items(MissionType::Fence).len())
     };
     assert_eq!(load(3.0), (vec!["ACCEPTED".to_owned()], 3));
     assert_eq!(load(4.0), (vec!["ERROR".to_owned()], 3));
@@ -315,7 +318,7 @@ fn capacities_and_clearing_are_as_measured() {
     assert_eq!(copter.load(5), ["ACCEPTED"]);
     assert_eq!(copter.count(651), ["NO_SPACE"]);
     assert_eq!(
-        copter.vehicle.items(List::Mission).len(),
+        copter.vehicle.items(MissionType::Mission).len(),
         4,
         "the old plan is kept"
     );

@@ -9,7 +9,7 @@ use std::time::Duration;
 use serialport::{SerialPort, TTYPort};
 
 use sortie::link::{
-    Decoder, Encoder, Failure, Job, List, Refusal, Time, TransferReport, Verdict, Version,
+    Decoder, Encoder, Failure, Job, MissionType, Refusal, Time, TransferReport, Verdict, Version,
     upload_fleet,
 };
 use sortie::mission::VehicleMission;
@@ -58,12 +58,15 @@ fn three_vehicles_of_all_profiles_are_loaded_at_once_and_read_back() {
         assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
         assert_eq!((report.items, report.fence, report.rally), (40, 3, 1));
         assert_eq!((report.hash.len(), report.attempts), (64, 3));
-        assert_eq!(vehicle.items(List::Mission).len(), mission.items.len());
-        assert_eq!(vehicle.items(List::Fence).len(), 3);
+        assert_eq!(
+            vehicle.items(MissionType::Mission).len(),
+            mission.items.len()
+        );
+        assert_eq!(vehicle.items(MissionType::Fence).len(), 3);
         assert!(report.seconds < 5.0, "{report:?}");
     }
     assert_eq!(reports[2].autopilot, "generic autopilot vehicle");
-    assert_eq!(vehicles[2].items(List::Mission), missions[2].items);
+    assert_eq!(vehicles[2].items(MissionType::Mission), missions[2].items);
     assert!(shown.into_inner() > 9);
 }
 
@@ -94,7 +97,7 @@ fn vehicles_behind_one_port_are_told_apart_by_system_id() {
     let reports = upload_fleet(&jobs, &|_, _| {});
     for (n, (report, vehicle)) in reports.iter().zip(&vehicles).enumerate() {
         assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
-        assert_eq!(vehicle.items(List::Mission), missions[n].items);
+        assert_eq!(vehicle.items(MissionType::Mission), missions[n].items);
     }
 }
 
@@ -115,9 +118,9 @@ fn an_old_fence_does_not_stay_silently() {
             ..fenced
         };
         assert!(upload(1, &link, &free, false).is_verified());
-        assert_eq!(vehicle.items(List::Fence), []);
-        assert_eq!(vehicle.items(List::Rally), []);
-        assert_eq!(vehicle.items(List::Mission).len(), 5);
+        assert_eq!(vehicle.items(MissionType::Fence), []);
+        assert_eq!(vehicle.items(MissionType::Rally), []);
+        assert_eq!(vehicle.items(MissionType::Mission).len(), 5);
     }
 }
 
@@ -128,7 +131,7 @@ fn an_armed_vehicle_is_refused_unless_forced() {
     let mission = mission(Autopilot::ArduPilot, 5);
     let report = upload(1, &to(vehicle.address()), &mission, false);
     assert_eq!(report.verdict, Verdict::Refused(Refusal::Armed));
-    assert_eq!(vehicle.items(List::Mission), []);
+    assert_eq!(vehicle.items(MissionType::Mission), []);
     assert!(upload(1, &to(vehicle.address()), &mission, true).is_verified());
 }
 
@@ -144,7 +147,7 @@ fn another_autopilot_than_in_the_spec_is_refused() {
         refusal.to_string(),
         "the spec says ArduPilot, the vehicle says PX4"
     );
-    assert_eq!(vehicle.items(List::Fence), []);
+    assert_eq!(vehicle.items(MissionType::Fence), []);
 }
 
 #[test]
@@ -177,7 +180,7 @@ fn another_system_id_is_refused_and_nobody_at_all_is_a_failure_within_the_deadli
         "no heartbeat from system 2 within 10 s"
     );
     assert!(reports.iter().all(|report| report.seconds < 12.0));
-    assert_eq!(vehicle.items(List::Mission), []);
+    assert_eq!(vehicle.items(MissionType::Mission), []);
 }
 
 #[test]
@@ -261,7 +264,7 @@ fn a_vehicle_behind_tcp_is_loaded_too() {
     let link = Link::Tcp(tcp_bridge(vehicle.address()).to_string());
     let report = upload(1, &link, &mission, false);
     assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
-    assert_eq!(vehicle.items(List::Mission).len(), 12);
+    assert_eq!(vehicle.items(MissionType::Mission).len(), 12);
 }
 
 #[test]
@@ -302,7 +305,7 @@ fn a_vehicle_that_connects_to_us_is_loaded_too() {
     let mission = mission(Autopilot::ArduPilot, 12);
     let report = upload(1, &Link::TcpIn(ground.to_string()), &mission, false);
     assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
-    assert_eq!(vehicle.items(List::Mission).len(), 12);
+    assert_eq!(vehicle.items(MissionType::Mission).len(), 12);
 }
 
 #[test]
@@ -320,7 +323,7 @@ fn a_vehicle_behind_a_serial_line_is_loaded_too() {
     drop(ours);
     let report = upload(1, &link, &mission, false);
     assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
-    assert_eq!(vehicle.items(List::Mission).len(), 12);
+    assert_eq!(vehicle.items(MissionType::Mission).len(), 12);
 }
 
 #[test]
@@ -346,7 +349,11 @@ fn with_force_a_single_stranger_is_loaded_by_its_own_rules() {
     let report = upload(1, &to(vehicle.address()), &mission, true);
     assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
     assert_eq!((report.sysid, report.items), (7, 5));
-    assert_eq!(vehicle.items(List::Mission).len(), 5, "no home row for PX4");
+    assert_eq!(
+        vehicle.items(MissionType::Mission).len(),
+        5,
+        "no home row for PX4"
+    );
 }
 
 #[test]
@@ -502,6 +509,6 @@ fn thirty_vehicles_are_loaded_at_once_at_5_percent_loss_each_way() {
         .collect();
     for (report, vehicle) in upload_fleet(&jobs, &|_, _| {}).iter().zip(&vehicles) {
         assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
-        assert_eq!(vehicle.items(List::Mission).len(), 30);
+        assert_eq!(vehicle.items(MissionType::Mission).len(), 30);
     }
 }

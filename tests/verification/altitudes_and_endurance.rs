@@ -108,7 +108,7 @@ fn keeps_under(floor_m: f64) -> (bool, bool) {
         floor: Some(Placement::Agl(Agl(floor_m))),
         ..Zone::default()
     }];
-    let rally = sortie::mission::command::RALLY_POINT;
+    let rally = sortie::mission::command::NAV_RALLY_POINT;
     let over_home = sortie::mission::frame::GLOBAL_RELATIVE_ALT;
     mission.rally = vec![missions::at(rally, over_home, centre, 80.0, 0.0)];
     let mut world = world(&spec);

@@ -140,7 +140,7 @@ fn fenced(mission: &VehicleMission, radius_m: f32, margin_m: Option<f32>) -> Veh
         params: [4.0, 0.0, 0.0, 0.0],
         z: 0.0,
         ..missions::at(
-            command::FENCE_POLYGON_INCLUSION,
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION,
             frame::GLOBAL,
             place(lat_deg, lon_deg),
             0.0,

@@ -165,7 +165,7 @@ fn exclusions(fence: &[Item]) -> Vec<Exclusion> {
     let mut rest = fence;
     while let Some(first) = rest.first() {
         let count = match first.command {
-            command::FENCE_CIRCLE_EXCLUSION => 1,
+            command::NAV_FENCE_CIRCLE_EXCLUSION => 1,
             _ => first.params[0] as usize,
         };
         let places: Vec<Flat> = rest[..count]
@@ -173,10 +173,10 @@ fn exclusions(fence: &[Item]) -> Vec<Exclusion> {
             .map(|item| flat(item.place().expect("a place")))
             .collect();
         match first.command {
-            command::FENCE_CIRCLE_EXCLUSION => {
+            command::NAV_FENCE_CIRCLE_EXCLUSION => {
                 found.push(Exclusion::Circle(places[0], f64::from(first.params[0])));
             }
-            command::FENCE_POLYGON_EXCLUSION => found.push(Exclusion::Polygon(places)),
+            command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION => found.push(Exclusion::Polygon(places)),
             _ => {}
         }
         rest = &rest[count..];
@@ -289,7 +289,7 @@ fn a_fence_that_misses_a_near_zone_or_comes_near_the_path_fails() {
     let smaller = doctored(&|fence| {
         for item in fence
             .iter_mut()
-            .filter(|item| item.command == command::FENCE_CIRCLE_EXCLUSION)
+            .filter(|item| item.command == command::NAV_FENCE_CIRCLE_EXCLUSION)
         {
             item.params[0] *= 0.8;
         }
@@ -301,7 +301,7 @@ fn a_fence_that_misses_a_near_zone_or_comes_near_the_path_fails() {
     let wider = doctored(&|fence| {
         for item in fence
             .iter_mut()
-            .filter(|item| item.command == command::FENCE_CIRCLE_EXCLUSION)
+            .filter(|item| item.command == command::NAV_FENCE_CIRCLE_EXCLUSION)
         {
             item.params[0] += 500.0;
         }

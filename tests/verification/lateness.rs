@@ -39,7 +39,7 @@ fn over(vehicle: &Vehicle, items: &[Item]) -> VehicleMission {
 /// The world of a spec whose first vehicle is in the air at a time, on its way to the east.
 fn with_first_in_the_air(spec: &MissionSpec, from: EastNorth, at_s: f64) -> World {
     let mut world = world(spec);
-    world.fixed_points[0].departure = Departure::Airborne {
+    world.sites[0].departure = Departure::Airborne {
         point: PlanPoint::new(from.east_m, from.north_m, Amsl(UP_M)),
         course_rad: std::f64::consts::FRAC_PI_2,
         speed_mps: 10.0,

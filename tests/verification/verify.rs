@@ -436,7 +436,7 @@ fn one_path_in_four_references_has_one_clearance() {
     };
     let world = world(&spec);
     let vehicle = spec.vehicles[0].clone();
-    let home_m = world.fixed_points[0].home.amsl.0;
+    let home_m = world.sites[0].home.amsl.0;
     // Fine steps, so that linear in altitude and linear above ground are nearly the same path.
     let places: Vec<LatLon> = (0..=90)
         .map(|i| place(36.30, -84.30 + 0.1 * f64::from(i) / 90.0))
@@ -628,7 +628,7 @@ fn what_is_left_of_a_leg_that_was_begun_is_not_judged_by_its_slope() {
             land(east()),
         ];
         let mut world = world(&spec);
-        world.fixed_points[0].departure = Departure::Airborne {
+        world.sites[0].departure = Departure::Airborne {
             point: here,
             course_rad: std::f64::consts::FRAC_PI_2,
             speed_mps: 5.0,
@@ -651,7 +651,7 @@ fn a_vehicle_that_begins_in_its_landing_descent_is_judged_by_its_column() {
         at: world.frame.to_plan(east()),
         amsl: Amsl(GROUND_M + 40.0),
     };
-    world.fixed_points[0].departure = Departure::Airborne {
+    world.sites[0].departure = Departure::Airborne {
         point: over,
         course_rad: 0.0,
         speed_mps: 0.0,
@@ -1001,7 +1001,7 @@ fn leaving_the_area_or_the_fence_fails() {
     let corner = |lat, lon| Item {
         params: [4.0, 0.0, 0.0, 0.0],
         ..at(
-            command::FENCE_POLYGON_INCLUSION,
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION,
             frame::GLOBAL,
             place(lat, lon),
             0.0,
@@ -1014,7 +1014,7 @@ fn leaving_the_area_or_the_fence_fails() {
         corner(36.31, -84.19),
         corner(36.31, -84.31),
         at(
-            command::FENCE_CIRCLE_EXCLUSION,
+            command::NAV_FENCE_CIRCLE_EXCLUSION,
             frame::GLOBAL,
             place(36.308, -84.25),
             0.0,
@@ -1135,7 +1135,7 @@ fn a_rally_point_is_clear_of_the_ground_threats_and_zones_and_inside_the_area() 
     });
     let mut rally = |at_place, z| {
         mission.rally = vec![at(
-            command::RALLY_POINT,
+            command::NAV_RALLY_POINT,
             frame::GLOBAL_RELATIVE_ALT,
             at_place,
             z,

@@ -179,7 +179,7 @@ fn converted(
         _ => items.len(),
     };
     let refused = mission::problems(&mission);
-    let is_judged = |list| !(is_list && list == mission::List::Mission);
+    let is_judged = |list| !(is_list && list == mission::MissionType::Mission);
     let report = Report {
         input: arguments.input.display().to_string(),
         output: arguments.output.display().to_string(),

@@ -24,18 +24,18 @@ pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
     let chosen = chosen(arguments, &file.spec)?;
     let hash = folder::sha256(&file.text);
     let plan = planned(&arguments.folder, &hash)?;
-    let (mut flown, mut world) = (file.spec.clone(), world);
+    let (mut planned_spec, mut world) = (file.spec.clone(), world);
     if !file.spec.tasks.is_empty() {
-        stops_of_tasks(plan.as_ref(), &mut flown, &mut world)?;
-        note("of the stops that the plan gives each vehicle for its tasks, in their order");
+        stops_of_tasks(plan.as_ref(), &mut planned_spec, &mut world)?;
+        note("the stops of the plan, in its order, stand for the tasks");
     }
-    let spec = &flown;
+    let spec = &planned_spec;
     #[expect(
         clippy::disallowed_methods,
         reason = "the operator asks for a time; every bound is proven"
     )]
     let (progress, begun) = (Progress::start(), Instant::now());
-    // Vehicles that need less leave their time to those after them.
+    // Time that a vehicle does not use is left to the next ones.
     let whole_s = arguments.within.unwrap_or(f64::INFINITY) / count(chosen.len());
     let vehicles = chosen.iter().enumerate().map(|(number, &index)| {
         let id = &spec.vehicles[index].id;
@@ -127,7 +127,7 @@ fn stops_of_tasks(
             points.push(PlanPoint { at, amsl });
         }
         vehicle.stops = made;
-        world.fixed_points[index].stops = points;
+        world.sites[index].stops = points;
     }
     Ok(())
 }

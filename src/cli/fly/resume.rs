@@ -4,11 +4,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::{Output, POSITION_S, Screen};
-use crate::cli::folder::runs::{self, Held};
+use crate::cli::folder::runs::{self, PlanLock};
 use crate::cli::folder::{self, claim};
 use crate::cli::links;
 use crate::cli::print::failure::Failure;
-use crate::flight::{Driver, Fleet, FlightPlan, Interrupted, Options, Outcome, Underway};
+use crate::flight::{Driver, Fleet, FlightHandoff, FlightPlan, Interrupted, Options, Outcome};
 use crate::link::Links;
 use crate::spec::Link;
 
@@ -33,8 +33,8 @@ pub(in crate::cli) fn watch(
             return Ok(());
         }
         let lock = match began.elapsed() < RACE {
-            true => runs::try_hold(&folder, "fly")?,
-            false => Some(runs::hold(&folder, "fly")?),
+            true => runs::try_lock(&folder, "fly")?,
+            false => Some(runs::lock(&folder, "fly")?),
         };
         if let Some(lock) = lock {
             return take_over(plan, links, json, lock);
@@ -48,17 +48,17 @@ pub(in crate::cli) fn take_over(
     plan: &FlightPlan,
     links: &[String],
     json: bool,
-    _lock: Held,
+    _lock: PlanLock,
 ) -> Result<(), Failure> {
     let folder = runs::folder(&plan.folder);
-    let underway = Underway::find(folder.clone())?.ok_or_else(|| {
+    let handoff = FlightHandoff::find(folder.clone())?.ok_or_else(|| {
         let message = format!(
             "{}: no flight of this plan is under way (links.json is missing); nothing was sent",
             folder.display()
         );
         Failure::new(Failure::INPUT, message)
     })?;
-    let flight = Interrupted::find(&folder, &underway, plan.world.frame)?;
+    let flight = Interrupted::find(&folder, &handoff, plan.world.frame)?;
     if flight.spec_sha256() != folder::sha256(&plan.file.text) {
         let message = format!(
             "{} was planned anew since the flight began: its record is of another spec",
@@ -66,12 +66,12 @@ pub(in crate::cli) fn take_over(
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    let links = links::under_way(plan, links, &underway.notice)?;
+    let links = links::under_way(plan, links, &handoff.notice)?;
     let systems = links
         .iter()
         .map(|(index, link)| (plan.vehicle(*index).sysid, link));
     let systems: Vec<(u8, &Link)> = systems.collect();
-    let _claims = claim::claim(&underway.notice.flight, &systems, &folder)?;
+    let _claims = claim::claim(&handoff.notice.flight, &systems, &folder)?;
     let open = Links::open(&systems)
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
     let ids = plan
@@ -80,7 +80,7 @@ pub(in crate::cli) fn take_over(
         .map(|(index, _)| plan.vehicle(*index).id.as_str());
     let journal = flight.journal(ids)?;
     let mut screen = Screen::begin(json, false, &folder)?;
-    let mut driver = Driver::new(&open, &underway, journal).resuming(&flight);
+    let mut driver = Driver::new(&open, &handoff, journal).resuming(&flight);
     let options = Options {
         speedup: flight.speedup(),
         set_params: false,
@@ -96,7 +96,7 @@ pub(in crate::cli) fn take_over(
     driver.fly(&mut fleet, &mut screen);
     // They may be in the air: then they can be taken over, and led, later.
     if fleet.unheard().is_empty() {
-        underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
+        handoff.withdraw(fleet.outcome() == Some(&Outcome::Flown));
     }
     super::end(driver, &fleet, plan, Output::of(screen, json, false))
 }

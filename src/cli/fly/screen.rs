@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use super::Socket;
 use super::show::{self, Show};
-use crate::cli::folder::runs::{self, Held};
+use crate::cli::folder::runs::{self, PlanLock};
 use crate::cli::print::console::{hang_up, note};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::printer::Printer;
@@ -60,7 +60,7 @@ pub(super) struct Screen {
     table_due: Time,
     folder: PathBuf,
     /// Holds the folder of the records that was made anew in place of one that was moved or deleted.
-    held: Option<Held>,
+    held: Option<PlanLock>,
 }
 
 /// Between two tables for other terminals, milliseconds.
@@ -184,7 +184,7 @@ impl Operator for Screen {
             self.table_due = now + TABLE_MS;
             socket.set_table(fleet.status(now).iter().map(show::line).collect());
             if socket.restore(&self.folder) {
-                self.held = runs::try_hold(&self.folder, "fly").ok().flatten();
+                self.held = runs::try_lock(&self.folder, "fly").ok().flatten();
             }
         }
         self.shown()

@@ -93,7 +93,7 @@ fn write_documents(
     dispatched: &Dispatched,
 ) -> Result<(), Failure> {
     let review = &dispatched.review;
-    let (spec, flown_in) = dispatched.planned_spec(&file.spec, world);
+    let (spec, planned_world) = dispatched.planned_spec(&file.spec, world);
     let paths: Vec<(&str, Vec<TimedPoint>)> = spec
         .vehicles
         .iter()
@@ -112,7 +112,7 @@ fn write_documents(
     let hash = sha256(&file.text);
     let input = ReviewInput {
         spec,
-        world: flown_in,
+        world: planned_world,
         plan: Some(&dispatched.plan),
         missions: &missions,
         review,
@@ -123,8 +123,8 @@ fn write_documents(
     let (page, (kml, geojson)) = rayon::join(
         || report::review_html(&input),
         || {
-            let kml = formats::kml::write(spec, flown_in, &paths);
-            (kml, formats::geojson::write(spec, flown_in, &paths))
+            let kml = formats::kml::write(spec, planned_world, &paths);
+            (kml, formats::geojson::write(spec, planned_world, &paths))
         },
     );
     folder.write("fleet.kml", kml.as_bytes())?;
@@ -153,9 +153,9 @@ fn write_mission(
 /// Copies the elevation files that a spec uses to the same place beside its copy.
 fn copy_terrain(folder: &NewFolder, file: &SpecFile) -> Result<(), Failure> {
     let unusable = |error| Failure::new(Failure::INPUT, format!("the terrain: {error}"));
-    let home = file.path.parent().unwrap_or(Path::new(""));
+    let spec_folder = file.path.parent().unwrap_or(Path::new(""));
     for path in world::files(file).map_err(unusable)? {
-        let name = path.strip_prefix(home).unwrap_or(&path);
+        let name = path.strip_prefix(spec_folder).unwrap_or(&path);
         folder.copy(&path, &name.to_string_lossy())?;
     }
     Ok(())
@@ -299,7 +299,7 @@ pub(super) fn disagreeing_counterpart(
                 format!("{}: {error}", counterpart.display()),
             )
         })?;
-    // The twin has lost what its format cannot hold; so must the other to be compared.
+    // The `.waypoints` format loses some fields, so both are compared as written in it.
     let is_same = formats::waypoints::write(mission) == formats::waypoints::write(&other);
     Ok((!is_same).then_some(counterpart))
 }
@@ -386,7 +386,7 @@ fn copied(file: &SpecFile) -> Vec<String> {
         Some(part.as_os_str().to_string_lossy().into_owned())
     };
     let attached = file.attached.iter().map(|attached| &attached.name);
-    let system = terrain.and_then(|path| world::system_of(path));
+    let system = terrain.and_then(|path| world::prj_path(path));
     let named = terrain.into_iter().chain(&system);
     let named = named.chain(table).chain(attached);
     named.filter_map(first).collect()

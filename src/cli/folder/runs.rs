@@ -5,7 +5,7 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::cli::print::failure::Failure;
-use crate::flight::{Underway, unix_ms};
+use crate::flight::{FlightHandoff, unix_ms};
 
 /// The folder of the records of the plan in `out`.
 pub(crate) fn folder(out: &Path) -> PathBuf {
@@ -53,7 +53,7 @@ pub(crate) fn named(runs: &Path, what: &str, ending: &str) -> PathBuf {
 
 /// Held while one command is at work on a plan; the system lets go of it when the command ends,
 /// however it ends.
-pub(crate) struct Held {
+pub(crate) struct PlanLock {
     _file: File,
 }
 
@@ -61,8 +61,8 @@ pub(crate) struct Held {
 ///
 /// # Errors
 /// Another one has it, or its file cannot be written.
-pub(crate) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
-    try_hold(runs, command)?.ok_or_else(|| {
+pub(crate) fn lock(runs: &Path, command: &str) -> Result<PlanLock, Failure> {
+    try_lock(runs, command)?.ok_or_else(|| {
         let message = format!(
             "another `sortie {command}` is at work on this plan (it holds {}); nothing was started",
             lock_path(runs, command).display()
@@ -75,17 +75,17 @@ pub(crate) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
 ///
 /// # Errors
 /// It is flown, or a flight by it broke off.
-pub(crate) fn hold_for_flight(out: &Path) -> Result<Held, Failure> {
-    let held = hold(&folder(out), "fly")?;
+pub(crate) fn lock_for_flight(out: &Path) -> Result<PlanLock, Failure> {
+    let held = lock(&folder(out), "fly")?;
     refuse_broken_off(out)?;
     Ok(held)
 }
 
-/// The same as [`hold`]; none if another one has it.
+/// The same as [`lock`]; none if another one has it.
 ///
 /// # Errors
 /// Its file cannot be written.
-pub(crate) fn try_hold(runs: &Path, command: &str) -> Result<Option<Held>, Failure> {
+pub(crate) fn try_lock(runs: &Path, command: &str) -> Result<Option<PlanLock>, Failure> {
     let path = lock_path(runs, command);
     let unwritable = |error: std::io::Error| {
         let message = format!("cannot write {}: {error}", path.display());
@@ -96,11 +96,11 @@ pub(crate) fn try_hold(runs: &Path, command: &str) -> Result<Option<Held>, Failu
     let file = options.create(true).truncate(false).write(true).open(&path);
     let file = file.map_err(unwritable)?;
     match file.try_lock() {
-        Ok(()) => Ok(Some(Held { _file: file })),
+        Ok(()) => Ok(Some(PlanLock { _file: file })),
         Err(TryLockError::WouldBlock) => Ok(None),
         // A file system without locks keeps nobody apart.
         Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => {
-            Ok(Some(Held { _file: file }))
+            Ok(Some(PlanLock { _file: file }))
         }
         Err(TryLockError::Error(error)) => Err(unwritable(error)),
     }
@@ -115,7 +115,7 @@ fn lock_path(runs: &Path, command: &str) -> PathBuf {
 /// # Errors
 /// There is such a flight.
 pub(crate) fn refuse_broken_off(out: &Path) -> Result<(), Failure> {
-    let Some(record) = Underway::broken_off(&folder(out)) else {
+    let Some(record) = FlightHandoff::broken_off(&folder(out)) else {
         return Ok(());
     };
     let out = out.display();
@@ -128,7 +128,7 @@ pub(crate) fn refuse_broken_off(out: &Path) -> Result<(), Failure> {
 }
 
 /// Whether a flight by the plan in `out` goes on.
-pub(crate) fn is_flown(out: &Path) -> bool {
+pub(crate) fn is_in_flight(out: &Path) -> bool {
     let path = lock_path(&folder(out), "fly");
     let Ok(file) = File::options().write(true).open(path) else {
         return false;

@@ -3,7 +3,7 @@
 use super::console::{Paint, out};
 use super::failure::Failure;
 use super::table::{self, Rows};
-use crate::flight::{FlightReport, ServiceState, Spread, done_words};
+use crate::flight::{ErrorPercentiles, FlightReport, ServiceState, done_words};
 use crate::report::END_AS_PLANNED;
 use crate::verify::{Limit, Margin, Sense};
 
@@ -60,7 +60,7 @@ fn vehicle_rows(judged: &FlightReport, paint: Paint) -> Rows {
     headers.extend(has_services.then_some("done"));
     headers.push("");
     let mut rows = Rows::new(&headers);
-    let spread = |spread: Option<Spread>| {
+    let spread = |spread: Option<ErrorPercentiles>| {
         spread.map_or_else(
             || "-".to_owned(),
             |s| format!("{:.1} / {:.1} / {:.1} m", s.median, s.p95, s.worst),

@@ -8,7 +8,7 @@ use crate::cli::folder::{self, missions, replace};
 use crate::cli::print::console::{note, out_json};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::flight::report;
-use crate::flight::{self, Capture, Fix, Plan, Record, Reference, Waypoint};
+use crate::flight::{self, Capture, Fix, Plan, Record, ReferenceTrajectory, Waypoint};
 use crate::mission::VehicleMission;
 use crate::numeric::text::{open_regular, read_regular};
 use crate::spec::SpecFile;
@@ -37,8 +37,8 @@ pub(crate) fn run(
         let message = format!("review judges one flight at a time, got {}", flights.len());
         return Err(Failure::new(Failure::USAGE, message));
     };
-    let draws = arguments.svg.is_some() || arguments.trajectories.is_some();
-    if arguments.limits != args::Limits::default() || draws {
+    let asks_for_svg = arguments.svg.is_some() || arguments.trajectories.is_some();
+    if arguments.limits != args::Limits::default() || asks_for_svg {
         let message = "a flight is judged by the limits of its spec, and has a page (--html)";
         return Err(Failure::new(Failure::USAGE, message));
     }
@@ -106,7 +106,7 @@ fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failu
     Ok(record)
 }
 
-/// A record of another spec is judged where that of this one is.
+/// A record of another spec is accepted only if each vehicle was at some time in the area of this one.
 fn fits(path: &Path, record: &Record, file: &SpecFile, world: &World) -> Result<(), Failure> {
     for flight in &record.flights {
         let mut fixes = flight.flown.fixes.iter();
@@ -143,7 +143,7 @@ fn compare(
         let Some(plan) = flight.and_then(|flight| flight.plans.first()) else {
             continue;
         };
-        let held = Reference::new(mission, &untimed(id), world);
+        let held = ReferenceTrajectory::new(mission, &untimed(id), world);
         let is_alike = plan.items == mission.items.len()
             && plan.reference.lands == held.lands
             && plan.reference.waypoints.len() == held.waypoints.len()
@@ -197,7 +197,7 @@ fn capture(
                 airframe: vehicle.airframe,
                 plan: Plan {
                     items: mission.items.len(),
-                    reference: Reference::new(mission, track, world),
+                    reference: ReferenceTrajectory::new(mission, track, world),
                     from_s: 0.0,
                 },
             }
@@ -214,7 +214,7 @@ fn capture(
     })
 }
 
-/// The record with everyone of the spec in it, in that order: who was not flown fails.
+/// The record with one flight for each vehicle of the spec, in its order; a vehicle without one fails.
 fn of_fleet(record: Record, path: &Path, file: &SpecFile) -> Result<Record, Failure> {
     let fleet = &file.spec.vehicles;
     let unknown = record

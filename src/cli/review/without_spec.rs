@@ -445,7 +445,7 @@ fn world(
     for (index, mission) in missions {
         let home = spec.vehicles[*index].home;
         let row = Amsl(f64::from(mission.home.amsl_m));
-        world.fixed_points[*index].home.amsl = terrain.height(home).unwrap_or(row);
+        world.sites[*index].home.amsl = terrain.height(home).unwrap_or(row);
     }
     world.terrain = terrain;
     Ok(world)

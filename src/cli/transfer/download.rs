@@ -8,7 +8,7 @@ use crate::cli::print::console::{note, out};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::progress::Progress;
 use crate::formats::{self, Document, Format, FormatError};
-use crate::link::{self, List, Onboard};
+use crate::link::{self, MissionType, Onboard};
 use crate::mission::{Home, VehicleMission};
 use crate::numeric::digits::count;
 use crate::spec::{Airframe, Autopilot, Link};
@@ -81,7 +81,7 @@ fn mission_of(onboard: &Onboard) -> VehicleMission {
         }),
         items: onboard.mission.clone(),
         fence: onboard.fence.clone(),
-        is_fence_known: !onboard.unknown.contains(&List::Fence),
+        is_fence_known: !onboard.unknown.contains(&MissionType::Fence),
         rally: onboard.rally.clone(),
         params: Vec::new(),
         notes: Vec::new(),

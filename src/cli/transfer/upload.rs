@@ -144,7 +144,7 @@ fn refuse_flown(
 ) -> Result<(), Failure> {
     let mut all = missions.iter().map(|(vehicle, _)| *vehicle);
     let simulated = all.find(|vehicle| *link_of(file, *vehicle, links) == Link::Sim);
-    let Some(vehicle) = simulated.filter(|_| runs::is_flown(target)) else {
+    let Some(vehicle) = simulated.filter(|_| runs::is_in_flight(target)) else {
         return Ok(());
     };
     let (id, out) = (&file.spec.vehicles[vehicle].id, target.display());

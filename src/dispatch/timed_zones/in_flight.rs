@@ -70,12 +70,12 @@ impl Choice {
     /// Through all zones that are not active from the first to the last second of a flight.
     fn first(job: Job<'_>) -> Self {
         let (spec, world) = (job.spec, job.world);
-        let fleet = spec.vehicles.iter().zip(&world.fixed_points);
-        let open = fleet.map(|(vehicle, fixed_points)| {
+        let fleet = spec.vehicles.iter().zip(&world.sites);
+        let open = fleet.map(|(vehicle, sites)| {
             let departures = vehicle.departures();
             let first_s = departures.least.min(vehicle.depart_s);
             let last_s =
-                departures.most.max(vehicle.depart_s) + DETOUR * straight_s(vehicle, fixed_points);
+                departures.most.max(vehicle.depart_s) + DETOUR * straight_s(vehicle, sites);
             let may_be_open = |zone: &PlanZone| {
                 let is_always = |(from_s, to_s): (f64, f64)| from_s <= first_s && last_s <= to_s;
                 zone.active_s.is_some_and(|active_s| !is_always(active_s))

@@ -7,7 +7,7 @@ use super::{Alarms, Here, Watched};
 use crate::autopilot::{Autopilot, command, facts};
 use crate::flight::conformance::COLUMN_M;
 use crate::flight::conformance::proof::Tube;
-use crate::flight::conformance::reference::{Deviation, Reference};
+use crate::flight::conformance::reference::{Deviation, ReferenceTrajectory};
 use crate::flight::conformance::takeoff::{TakeoffTube, landing_column_m};
 use crate::flight::record::Fix;
 use crate::path::stop_late_s;
@@ -56,7 +56,7 @@ pub(super) struct TubeWatch {
 }
 
 impl TubeWatch {
-    pub(super) fn new(vehicle: &Vehicle, plan: &Reference) -> Self {
+    pub(super) fn new(vehicle: &Vehicle, plan: &ReferenceTrajectory) -> Self {
         let climb_out_m = match plan.waypoints.as_slice() {
             [home, top, ..] => home.point.at.distance_m(top.point.at),
             _ => 0.0,
@@ -107,7 +107,7 @@ impl TubeWatch {
     }
 
     /// Whether it takes off or lands, where neither minimum height nor legs count.
-    fn is_in_column(&self, plan: &Reference, here: &Here) -> bool {
+    fn is_in_column(&self, plan: &ReferenceTrajectory, here: &Here) -> bool {
         let (Some(home), Some(last)) = (plan.waypoints.first(), plan.waypoints.last()) else {
             return true;
         };
@@ -129,13 +129,13 @@ impl TubeWatch {
     }
 
     /// Until a plane has passed the place after its climb-out.
-    fn climbs_out(&self, plan: &Reference, here: &Here) -> bool {
+    fn climbs_out(&self, plan: &ReferenceTrajectory, here: &Here) -> bool {
         let next = plan.waypoints.get(2).map_or(usize::MAX, |next| next.item);
         self.airframe == Airframe::Plane && here.fix.item <= next
     }
 
     /// Where on its plan it is: of legs that are about as near, the one that fits its lateness.
-    fn deviation(&self, plan: &Reference, here: &Here) -> Option<Deviation> {
+    fn deviation(&self, plan: &ReferenceTrajectory, here: &Here) -> Option<Deviation> {
         let late_s = self.late_s.unwrap_or(0.0);
         let all = || plan.deviations(here.fix.item, here.point);
         let nearest_m = all()
@@ -148,7 +148,7 @@ impl TubeWatch {
     }
 
     /// How it is off the tube, in words.
-    fn corridor(&self, plan: &Reference, here: &Here) -> Option<String> {
+    fn corridor(&self, plan: &ReferenceTrajectory, here: &Here) -> Option<String> {
         let of = plan.deviation(here.fix.item, here.point)?;
         let climbs_out = self.climbs_out(plan, here);
         let wide_m = if climbs_out { self.wide_m } else { 0.0 };
@@ -176,7 +176,7 @@ impl TubeWatch {
     }
 
     /// Whether it must be seen to move: it is in the middle of a leg.
-    pub(super) fn should_move(&self, plan: &Reference, here: &Here) -> bool {
+    pub(super) fn should_move(&self, plan: &ReferenceTrajectory, here: &Here) -> bool {
         // A plane that rolled out stands until its motors stop.
         let is_low = here.agl_m <= LOW_M;
         let item = here.fix.item;
@@ -251,7 +251,7 @@ impl Alarms<'_> {
 
 /// Whether a vehicle has come to where it stays at the end of its plan, and time goes on: a place,
 /// or a circle, on which it crosses the way there again and again.
-fn has_come(plan: &Reference, here: &Here, found: &Deviation) -> bool {
+fn has_come(plan: &ReferenceTrajectory, here: &Here, found: &Deviation) -> bool {
     let Some(last) = plan.waypoints.last().filter(|_| !plan.lands) else {
         return false;
     };

@@ -160,11 +160,10 @@ impl Alarms<'_> {
     }
 
     fn departing(&self, index: usize) -> Departing<'_> {
-        let fixed_points = self.world.fixed_points.get(index);
+        let sites = self.world.sites.get(index);
         Departing {
             vehicle: self.vehicles[index].vehicle,
-            is_airborne: fixed_points
-                .is_some_and(|fixed_points| fixed_points.departure.is_airborne()),
+            is_airborne: sites.is_some_and(|sites| sites.departure.is_airborne()),
         }
     }
 

@@ -21,8 +21,8 @@ mod tests;
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::conformance::reference::Reference;
-use super::launch::parameters::OtherSetting;
+use super::conformance::reference::ReferenceTrajectory;
+use super::launch::parameters::ParameterMismatch;
 use super::record::{Fix, Plan};
 use crate::geodesy::PlanPoint;
 use crate::link::{Address, Message, Position};
@@ -100,7 +100,7 @@ pub struct Watch<'a> {
     /// The mission on board.
     pub mission: &'a VehicleMission,
     /// The planned flight.
-    pub reference: Reference,
+    pub reference: ReferenceTrajectory,
 }
 
 /// What is known of one vehicle.
@@ -108,7 +108,7 @@ pub struct Watch<'a> {
 struct Watched<'a> {
     vehicle: &'a Vehicle,
     mission: &'a VehicleMission,
-    plan: Reference,
+    plan: ReferenceTrajectory,
     duty: Duty,
     health: HealthState,
     motion: Motion,
@@ -237,9 +237,13 @@ impl<'a> Alarms<'a> {
 
     /// T0 of a vehicle: the ids of its mission, fence and rally points when they were read, and whether its home was
     /// compared.
-    pub(in crate::flight) fn hold_to(&mut self, vehicle: usize, checked: (Option<[u32; 3]>, bool)) {
+    pub(in crate::flight) fn set_checked(
+        &mut self,
+        vehicle: usize,
+        checked: (Option<[u32; 3]>, bool),
+    ) {
         if let Some(of) = self.vehicles.get_mut(vehicle) {
-            of.onboard.hold_to(checked);
+            of.onboard.set_checked(checked);
         }
     }
 
@@ -262,7 +266,7 @@ impl<'a> Alarms<'a> {
     pub fn replan(&mut self, t_s: f64, vehicle: usize, plan: Plan) {
         let speedup = self.speedup;
         if let Some(of) = self.vehicles.get_mut(vehicle) {
-            of.onboard.expect((t_s, speedup), plan, of.mission);
+            of.onboard.expect_transfer((t_s, speedup), plan, of.mission);
         }
     }
 
@@ -275,7 +279,7 @@ impl<'a> Alarms<'a> {
     pub(in crate::flight) fn take_settings(
         &mut self,
         vehicle: usize,
-        (others, of_return): (Vec<OtherSetting>, Option<&OtherSetting>),
+        (others, of_return): (Vec<ParameterMismatch>, Option<&ParameterMismatch>),
     ) {
         if let Some(of) = self.vehicles.get_mut(vehicle) {
             of.onboard.take_settings(&others, of_return);
@@ -291,7 +295,7 @@ impl<'a> Alarms<'a> {
         let (us, mission) = (self.us, of.mission);
         of.health.handle(t_s, message);
         of.onboard.handle(t_s, message, us, mission, of.duty.flies);
-        if let Some(plan) = of.onboard.taken_up() {
+        if let Some(plan) = of.onboard.new_plan() {
             of.tube = TubeWatch::new(of.vehicle, &plan.reference);
             of.plan = plan.reference;
             of.skips = Skips::default();
@@ -404,10 +408,7 @@ impl<'a> Alarms<'a> {
         let Some(of) = self.vehicles.get(vehicle) else {
             return;
         };
-        let by = of
-            .onboard
-            .why_in_mission()
-            .unwrap_or("nothing heard says by whom");
+        let by = of.onboard.why_in_mission().unwrap_or("cause unknown");
         let text = format!("is on its mission again, although it was ordered to {verb}: {by}");
         self.push(t_s, (AlarmKind::Mode, vehicle, None, ""), true, text);
     }

@@ -7,11 +7,11 @@ mod settings;
 use crate::flight::record::Plan;
 use crate::flight::session::modes;
 use crate::link::{
-    Address, Command, CommandResult, FlightMessage, Heartbeat, List, Message, as_line,
+    Address, Command, CommandResult, FlightMessage, Heartbeat, Message, MissionType, as_line,
 };
 use crate::mission::{Home, VehicleMission};
-use return_targets::Elsewhere;
-use settings::Settings;
+use return_targets::ReturnTargets;
+use settings::ParameterMismatches;
 
 /// `MAV_STATE_CRITICAL`: from here on the autopilot acts in an emergency.
 const STATE_CRITICAL: u8 = 5;
@@ -39,14 +39,14 @@ pub(super) const STATES: [(u8, &str, &str); 4] = [
         "it terminates itself, by a failsafe or by command",
     ),
 ];
-/// What was heard this long before a change of the mode explains it, seconds.
-const EXPLAINS_S: f64 = 3.0;
-/// Another mission may be that of a `replan` that is heard of later, seconds.
-const HEARD_OF_S: f64 = 1.0;
-/// What is on board may say more about what was written, seconds.
-const WRITTEN_S: f64 = 1.5;
+/// A change of mode is put down to what was heard at most this long before it, seconds.
+const CAUSE_WINDOW_S: f64 = 3.0;
+/// A mismatch is reported after this time, seconds: a `replan` may announce the new mission meanwhile.
+const REPLAN_GRACE_S: f64 = 1.0;
+/// An acknowledgement to another station is reported after this time, seconds: `MISSION_CURRENT` may show what was written.
+const WRITE_GRACE_S: f64 = 1.5;
 
-/// A transfer in the air is given up after this time, and so long for each item, seconds of the wall's clock.
+/// A transfer in flight is given up after this time and `ITEM_S` for each item, seconds of the wall's clock.
 const TRANSFER_S: f64 = 30.0;
 const ITEM_S: f64 = 2.0;
 
@@ -56,7 +56,7 @@ pub(super) struct Onboard {
     /// Items of the mission that it should hold, and the next one that it is sent.
     items: usize,
     next: Option<Plan>,
-    taken_up: Option<Plan>,
+    new_plan: Option<Plan>,
     /// Items and id that it said first, with the mission that it should hold.
     total: Option<u16>,
     id: Option<u32>,
@@ -66,20 +66,20 @@ pub(super) struct Onboard {
     /// The other station that it was heard to take a mission from.
     written_by: Option<(u8, f64)>,
     /// Where else it may return to.
-    elsewhere: Elsewhere,
-    settings: Settings,
+    return_targets: ReturnTargets,
+    settings: ParameterMismatches,
     /// Until when another plan may be under way to it, seconds after T0.
     sent_until_s: f64,
     beat: Option<Heartbeat>,
     /// When a heartbeat showed its motors to run last, seconds after T0.
     armed_s: f64,
-    /// Whether it was in its mission, and the name of the mode after it.
+    /// Whether it was in its mission.
     was_in_mission: bool,
-    /// Who explains a change of its mode, and when that was heard.
+    /// What a change of mode is put down to, and when that was heard.
     cause: Option<(String, f64)>,
-    /// The same for the present mode.
+    /// Why it left its mission, as far as known.
     why: Option<String>,
-    /// And for its return to its mission.
+    /// Who started its mission again, as far as known.
     why_in_mission: Option<String>,
 }
 
@@ -88,14 +88,14 @@ impl Onboard {
         Self {
             items,
             next: None,
-            taken_up: None,
+            new_plan: None,
             total: None,
             id: None,
             checked: None,
             differs: None,
             written_by: None,
-            elsewhere: Elsewhere::default(),
-            settings: Settings::default(),
+            return_targets: ReturnTargets::default(),
+            settings: ParameterMismatches::default(),
             sent_until_s: f64::NEG_INFINITY,
             beat: None,
             armed_s: f64::NEG_INFINITY,
@@ -107,7 +107,7 @@ impl Onboard {
     }
 
     /// What was found before T0: the ids of mission, fence and rally points, and whether home was compared.
-    pub(super) fn hold_to(&mut self, checked: (Option<[u32; 3]>, bool)) {
+    pub(super) fn set_checked(&mut self, checked: (Option<[u32; 3]>, bool)) {
         self.checked = Some(checked);
     }
 
@@ -119,13 +119,13 @@ impl Onboard {
             return;
         };
         self.id = ids.map(|ids| ids[0]).filter(|id| *id != 0).or(self.id);
-        self.elsewhere.begin(ids, is_home_checked, planned);
+        self.return_targets.begin(ids, is_home_checked, planned);
     }
 
     /// Another mission comes from a time in seconds after T0 on, with the lists of `mission`. One that did not come in
     /// the time of its transfer is not waited for, and is known all the same if it comes later. `speedup` is how much
     /// faster than the wall's clock the time of the vehicle goes.
-    pub(super) fn expect(
+    pub(super) fn expect_transfer(
         &mut self,
         (t_s, speedup): (f64, f64),
         plan: Plan,
@@ -162,8 +162,8 @@ impl Onboard {
     }
 
     /// The plan that it holds since the last call.
-    pub(super) fn taken_up(&mut self) -> Option<Plan> {
-        self.taken_up.take()
+    pub(super) fn new_plan(&mut self) -> Option<Plan> {
+        self.new_plan.take()
     }
 
     pub(super) fn handle(
@@ -180,7 +180,7 @@ impl Onboard {
             self.written_by = None;
         }
         let is_sent = self.is_sent(t_s);
-        self.elsewhere
+        self.return_targets
             .handle(t_s, message, (us, mission), (flies, is_sent));
         match message {
             Message::Heartbeat(beat) => self.beat(t_s, *beat, mission),
@@ -188,7 +188,9 @@ impl Onboard {
                 total, opaque_ids, ..
             } => self.current(t_s, *total, opaque_ids[0]),
             // It acknowledges what was written or cleared, not what was read.
-            Message::Mission(message) if message.mission_type == List::Mission.mission_type() => {
+            Message::Mission(message)
+                if message.mission_type == MissionType::Mission.mission_type() =>
+            {
                 // What it has taken up already may be acknowledged after that.
                 let is_known = is_sent && self.next.is_none();
                 let written_by = message.accepted_from_other(us);
@@ -196,7 +198,7 @@ impl Onboard {
                 // Since the first of them: one who writes each second would put the alarm off for ever.
                 self.written_by = (self.written_by).or(written_by.map(|system| (system, t_s)));
             }
-            Message::StatusText { text, .. } if explains(text) => {
+            Message::StatusText { text, .. } if announces_mode_change(text) => {
                 self.cause = Some((format!("the vehicle itself: {}", as_line(text)), t_s));
             }
             Message::Flight(FlightMessage::CommandAck {
@@ -204,7 +206,7 @@ impl Onboard {
                 command,
                 result: CommandResult::ACCEPTED,
             }) if target.system != 0 && !target.reaches(us) && changes_mode(*command) => {
-                let (system, by) = (target.system, "ordered by system");
+                let (system, by) = (target.system, "commanded by system");
                 self.cause = Some((format!("{by} {system}"), t_s));
             }
             _ => {}
@@ -227,16 +229,16 @@ impl Onboard {
             self.why = None;
             if is_new {
                 let heard = self.cause.take();
-                let cause = heard.filter(|(_, at_s)| t_s - at_s <= EXPLAINS_S);
+                let cause = heard.filter(|(_, at_s)| t_s - at_s <= CAUSE_WINDOW_S);
                 self.why_in_mission = cause.map(|(why, _)| why);
             }
         } else if is_new {
             let heard = self.cause.take();
-            let cause = heard.filter(|(_, at_s)| t_s - at_s <= EXPLAINS_S);
+            let cause = heard.filter(|(_, at_s)| t_s - at_s <= CAUSE_WINDOW_S);
             let in_emergency = (STATE_CRITICAL..=STATE_EMERGENCY).contains(&beat.system_status);
             let itself = || in_emergency.then(|| "the vehicle itself, in an emergency".to_owned());
             let why = cause.map(|(why, _)| why).or_else(itself);
-            self.why = Some(why.unwrap_or_else(|| "nothing heard says by whom".to_owned()));
+            self.why = Some(why.unwrap_or_else(|| "cause unknown".to_owned()));
         }
     }
 
@@ -244,7 +246,7 @@ impl Onboard {
         let is_known = (1..u16::MAX).contains(&total);
         let is = |items: usize| usize::from(total) == items;
         if is_known && self.next.as_ref().is_some_and(|next| is(next.items)) {
-            self.taken_up = self.next.take();
+            self.new_plan = self.next.take();
             self.items = usize::from(total);
             (self.id, self.written_by) = (None, None);
         }
@@ -255,7 +257,8 @@ impl Onboard {
             self.id = Some(id);
         }
         // A vehicle that never said how many items it holds does not say that it has none.
-        let has_others = self.total.is_some() && !is(self.items) && !self.is_between(t_s, total);
+        let has_others =
+            self.total.is_some() && !is(self.items) && !self.may_be_mid_transfer(t_s, total);
         let has_other_id = self.id.is_some_and(|known| id != 0 && id != known);
         let what = match (has_others, has_other_id) {
             (true, _) if total == 0 => Some("the mission on board was cleared".to_owned()),
@@ -275,7 +278,7 @@ impl Onboard {
     }
 
     /// Whether as many items may be a part of a transfer under way: ArduPilot takes them one by one.
-    fn is_between(&self, t_s: f64, total: u16) -> bool {
+    fn may_be_mid_transfer(&self, t_s: f64, total: u16) -> bool {
         let next = self.next.as_ref().filter(|_| self.is_sent(t_s));
         next.is_some_and(|next| {
             let (least, most) = (self.items.min(next.items), self.items.max(next.items));
@@ -286,11 +289,11 @@ impl Onboard {
     /// What is wrong with the mission on board.
     pub(super) fn mission(&self, t_s: f64) -> Option<String> {
         let differs = self.differs.as_ref();
-        let differs = differs.filter(|(_, since_s)| t_s - since_s >= HEARD_OF_S);
+        let differs = differs.filter(|(_, since_s)| t_s - since_s >= REPLAN_GRACE_S);
         let differs = differs.map(|(what, _)| what.clone());
         let written = || {
             let (system, at_s) = self.written_by?;
-            if t_s - at_s < WRITTEN_S {
+            if t_s - at_s < WRITE_GRACE_S {
                 return None;
             }
             let what = "acknowledged a mission, or that it was cleared, to system";
@@ -301,25 +304,25 @@ impl Onboard {
 
     /// Whether its motors were seen to run after a time in seconds after T0. ArduPilot begins its mission anew when they
     /// stop, and ArduPlane has its home where it stands then: both may be heard before the heartbeat that shows it.
-    pub(super) fn runs_since(&self, since_s: f64) -> bool {
+    pub(super) fn armed_since(&self, since_s: f64) -> bool {
         self.armed_s > since_s
     }
 
     /// What is heard to be other than planned of home, of the rally points and of the fence.
     pub(super) fn others(&self, t_s: f64) -> [Option<&str>; 3] {
-        let of = &self.elsewhere;
+        let of = &self.return_targets;
         let moved = of.moved.as_ref();
-        let moved = moved.filter(|(_, since_s)| self.runs_since(*since_s));
+        let moved = moved.filter(|(_, since_s)| self.armed_since(*since_s));
         let home = moved.map(|(text, _)| text.as_str());
         [home, of.list(1, t_s), of.list(0, t_s)]
     }
 
     /// Why it may return to another place, or on another way, than planned.
     pub(super) fn returns_elsewhere(&self, t_s: f64) -> Option<String> {
-        let home = self.elsewhere.moved.as_ref();
-        let rally = self.elsewhere.list(1, t_s);
-        let elsewhere = home.map(|(text, _)| text.as_str()).or(rally);
-        let why = elsewhere.map(|why| format!("{why}: where it would return to is not known"));
+        let home = self.return_targets.moved.as_ref();
+        let rally = self.return_targets.list(1, t_s);
+        let return_targets = home.map(|(text, _)| text.as_str()).or(rally);
+        let why = return_targets.map(|why| format!("{why}: where it would return to is not known"));
         why.or_else(|| self.returns_otherwise())
     }
 
@@ -355,7 +358,7 @@ impl Onboard {
 }
 
 /// Whether a text says that the vehicle changes its mode by itself.
-fn explains(text: &str) -> bool {
+fn announces_mode_change(text: &str) -> bool {
     let text = text.to_ascii_lowercase();
     let is_over = ["clear", "resolved", "recovered"]
         .iter()
@@ -367,10 +370,10 @@ fn explains(text: &str) -> bool {
 
 fn changes_mode(command: u16) -> bool {
     let commands = [
-        Command::LOITER,
-        Command::RETURN,
-        Command::LAND,
-        Command::SET_MODE,
+        Command::NAV_LOITER_UNLIM,
+        Command::NAV_RETURN_TO_LAUNCH,
+        Command::NAV_LAND,
+        Command::DO_SET_MODE,
         Command::MISSION_START,
     ];
     commands.contains(&command)

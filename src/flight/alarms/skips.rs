@@ -100,7 +100,7 @@ impl Watched<'_> {
         let before = self.skips.row.map_or(row, |(before, ..)| before);
         let since_s = (row < before).then(|| self.skips.back_s.unwrap_or(t_s));
         self.skips.back_s = since_s;
-        let is_sure = |since_s| t_s - since_s >= BACK_S && self.onboard.runs_since(since_s);
+        let is_sure = |since_s| t_s - since_s >= BACK_S && self.onboard.armed_since(since_s);
         if since_s.is_some_and(|since_s| !is_sure(since_s)) {
             return None;
         }

@@ -72,7 +72,7 @@ fn plan(world: &World, from_lon_deg: f64, items: usize) -> Plan {
     let waypoints = vec![at(0, from_lon_deg), at(items, -84.23)];
     Plan {
         items,
-        reference: Reference::of_waypoints(waypoints, (1000.0, true), world.frame),
+        reference: ReferenceTrajectory::of_waypoints(waypoints, (1000.0, true), world.frame),
         from_s: 0.0,
     }
 }
@@ -180,7 +180,8 @@ impl<'a> Flying<'a> {
             of.item = item;
             of
         });
-        let reference = Reference::of_waypoints(waypoints.collect(), (1000.0, true), world.frame);
+        let reference =
+            ReferenceTrajectory::of_waypoints(waypoints.collect(), (1000.0, true), world.frame);
         let vehicle = &spec.vehicles[0];
         let watch = Watch {
             vehicle,

@@ -17,12 +17,12 @@ use super::session::end::End;
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::spec::{Action, Airframe, MissionSpec, Vehicle};
 use crate::verify::Margin;
-use crate::world::{FixedPoints, World};
+use crate::world::{VehicleSites, World};
 use leg::leg_at;
 use limits::separation;
 use proof::CROSS_TRACK_M;
-use reference::{Deviation, Reference, to_segment};
-use report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
+use reference::{Deviation, ReferenceTrajectory, to_segment};
+use report::{ErrorPercentiles, FlightReport, MadeStop, Passage, VehicleReport};
 use speed::clock_off_s;
 use takeoff::landing_column_m;
 
@@ -49,13 +49,13 @@ pub(super) struct FlownTrack<'a> {
     pub(super) airframe: Airframe,
     /// As the spec has it; none for a stranger.
     pub(super) vehicle: Option<&'a Vehicle>,
-    pub(super) fixed_points: Option<FixedPoints>,
+    pub(super) sites: Option<VehicleSites>,
     pub(super) points: Vec<PlanPoint>,
 }
 
 /// One plan as far as it was flown.
 pub(super) struct Part<'a> {
-    pub(super) plan: &'a Reference,
+    pub(super) plan: &'a ReferenceTrajectory,
     /// The positions that were flown by it, of all.
     pub(super) fixes: std::ops::Range<usize>,
     /// Index of the first of its waypoints that was ahead.
@@ -108,7 +108,7 @@ impl<'a> FlownTrack<'a> {
             ordered_down: flight.flown.fixes.len(),
             airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
             vehicle: this,
-            fixed_points: index.and_then(|index| world.fixed_points.get(index).cloned()),
+            sites: index.and_then(|index| world.sites.get(index).cloned()),
             points: flight.flown.fixes.iter().map(point).collect(),
         };
         track.risen = track.count_rising();
@@ -127,14 +127,15 @@ impl<'a> FlownTrack<'a> {
         &self.flight.flown.fixes
     }
 
-    fn plan(&self, fix: usize) -> Option<&Reference> {
+    fn plan(&self, fix: usize) -> Option<&ReferenceTrajectory> {
         let plan = *self.plan_of.get(fix)?;
         self.flight.plans.get(plan).map(|plan| &plan.reference)
     }
 
     /// Whether the plan of a position follows the ground.
     pub(super) fn follows_ground(&self, fix: usize) -> bool {
-        self.plan(fix).is_some_and(Reference::follows_ground)
+        self.plan(fix)
+            .is_some_and(ReferenceTrajectory::follows_ground)
     }
 
     /// Indices of positions on the route: neither in the column of the takeoff nor in that
@@ -238,7 +239,7 @@ impl<'a> FlownTrack<'a> {
 
     /// Index of the first waypoint of a plan that is ahead at a position: what a plan that
     /// was taken up in flight has before that was passed by the plan before it.
-    fn ahead(&self, plan: &Reference, from: usize) -> usize {
+    fn ahead(&self, plan: &ReferenceTrajectory, from: usize) -> usize {
         if from == 0 {
             return 1;
         }
@@ -333,7 +334,12 @@ impl<'a> FlownTrack<'a> {
 
     /// A plane may have the height of its takeoff anywhere on its climb-out: it is above that only where it
     /// exceeds it.
-    fn with_early_climb(&self, plan: &Reference, index: usize, of: Deviation) -> Deviation {
+    fn with_early_climb(
+        &self,
+        plan: &ReferenceTrajectory,
+        index: usize,
+        of: Deviation,
+    ) -> Deviation {
         let top = plan.waypoints.get(1).filter(|_| self.plan_of[index] == 0);
         let top = top.filter(|top| self.airframe == Airframe::Plane && of.t_s < top.t_s);
         match top {
@@ -348,7 +354,8 @@ impl<'a> FlownTrack<'a> {
 
     fn report(&self) -> VehicleReport {
         let deviations: Vec<Deviation> = self.deviations().map(|(_, of)| of).collect();
-        let spread = |of: fn(&Deviation) -> f64| Spread::of(deviations.iter().map(of).collect());
+        let spread =
+            |of: fn(&Deviation) -> f64| ErrorPercentiles::of(deviations.iter().map(of).collect());
         VehicleReport {
             vehicle: self.id().to_owned(),
             end: match self.flight.flown.end {
@@ -400,10 +407,10 @@ impl<'a> FlownTrack<'a> {
 
     /// How near it came to each of its stops, and when.
     fn stops(&self) -> Vec<MadeStop> {
-        let (Some(vehicle), Some(fixed_points)) = (self.vehicle, &self.fixed_points) else {
+        let (Some(vehicle), Some(sites)) = (self.vehicle, &self.sites) else {
             return Vec::new();
         };
-        let stops = vehicle.stops.iter().zip(&fixed_points.stops);
+        let stops = vehicle.stops.iter().zip(&sites.stops);
         let made = stops.filter_map(|(stop, &end)| {
             let point = stop.below(end);
             let pairs = self.points.windows(2).zip(self.fixes().windows(2));

@@ -141,7 +141,7 @@ impl FlownTrack<'_> {
         let (first, at, home) = (
             self.fixes().first()?,
             self.points.first()?,
-            self.fixed_points.as_ref()?,
+            self.sites.as_ref()?,
         );
         let ground = world.terrain.height(first.place);
         let up_m = ground.map_or(f64::NAN, |ground| first.amsl.above_ground(ground).0);
@@ -232,7 +232,7 @@ impl FlownTrack<'_> {
 
     /// It was where the spec has its goal.
     fn goal(&self, vehicle: &Vehicle, tube: Tube) -> Option<Margin> {
-        let goal = self.fixed_points.as_ref()?.goal.at;
+        let goal = self.sites.as_ref()?.goal.at;
         let circle_m = vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
         let away = self.points.iter().map(|point| point.at.distance_m(goal));
         let nearest = away.zip(self.fixes());
@@ -243,14 +243,14 @@ impl FlownTrack<'_> {
 
     /// It landed where the spec wants it to, whatever plan it was given.
     fn place_to_land(&self, vehicle: &Vehicle, spec: &MissionSpec) -> Option<Margin> {
-        let (last, at, fixed_points) = (
+        let (last, at, sites) = (
             self.fixes().last()?,
             self.points.last()?,
-            self.fixed_points.as_ref()?,
+            self.sites.as_ref()?,
         );
         let place = match (vehicle.finish, &self.flight.flown.end) {
-            (Finish::Land, End::Landed) => fixed_points.landing,
-            (Finish::Return, End::Landed) => fixed_points.home.at,
+            (Finish::Land, End::Landed) => sites.landing,
+            (Finish::Return, End::Landed) => sites.home.at,
             _ => return None,
         };
         let bound_m = arrival::landing_m(self.airframe) + spec.mission.tolerance_m;

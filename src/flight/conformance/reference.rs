@@ -29,7 +29,7 @@ const WIDE_M: f64 = 20.0;
 
 /// The waypoints of a mission in order of time, from its takeoff.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reference {
+pub struct ReferenceTrajectory {
     /// Home, the top of the takeoff, and every place after it.
     pub waypoints: Vec<Waypoint>,
     /// When the planned flight ends; a stay for ever, when it begins. Seconds after T0.
@@ -42,7 +42,7 @@ pub struct Reference {
     frame: LocalFrame,
 }
 
-impl Reference {
+impl ReferenceTrajectory {
     /// From the encoded mission, and where the verdict's model has the vehicle over time.
     #[must_use]
     pub fn new(mission: &VehicleMission, track: &Track, world: &World) -> Self {

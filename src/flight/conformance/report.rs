@@ -24,9 +24,9 @@ pub struct VehicleReport {
     /// Positions that were recorded.
     pub fixes: usize,
     /// Distance beside the planned legs, metres.
-    pub cross_track_m: Option<Spread>,
+    pub cross_track_m: Option<ErrorPercentiles>,
     /// Height over or under them, without sign, metres.
-    pub altitude_error_m: Option<Spread>,
+    pub altitude_error_m: Option<ErrorPercentiles>,
     /// When it passed its waypoints.
     pub passages: Vec<Passage>,
     /// Of a flight that did not end as planned: how late it was at least, where it was last on its plan, for its place
@@ -51,7 +51,7 @@ pub struct MadeStop {
 
 /// Median, 95 % and worst of many values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct ErrorPercentiles {
     /// Half of the values are at most this.
     pub median: f64,
     /// 95 % of the values are at most this.
@@ -83,7 +83,7 @@ impl FlightReport {
     }
 }
 
-impl Spread {
+impl ErrorPercentiles {
     /// Of values in any order; none of no values.
     #[must_use]
     pub fn of(mut values: Vec<f64>) -> Option<Self> {
@@ -118,15 +118,16 @@ impl Passage {
 
 #[cfg(test)]
 mod tests {
-    use super::Spread;
+    use super::ErrorPercentiles;
 
     #[test]
     fn a_spread_is_the_middle_the_last_twentieth_and_the_end() {
-        let spread = Spread::of((0..=100).rev().map(f64::from).collect()).expect("values");
+        let spread =
+            ErrorPercentiles::of((0..=100).rev().map(f64::from).collect()).expect("values");
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(
             close(spread.median, 50.0) && close(spread.p95, 95.0) && close(spread.worst, 100.0)
         );
-        assert_eq!(Spread::of(Vec::new()), None);
+        assert_eq!(ErrorPercentiles::of(Vec::new()), None);
     }
 }

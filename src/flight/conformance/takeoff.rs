@@ -2,7 +2,7 @@
 //! the verdict judges.
 
 use super::COLUMN_M;
-use super::reference::Reference;
+use super::reference::ReferenceTrajectory;
 use crate::geodesy::EastNorth;
 use crate::path::heading_rad;
 use crate::spec::{TakeoffRegion, Vehicle};
@@ -12,7 +12,7 @@ const UPRIGHT_M: f64 = 1.0;
 
 /// How far from its landing a vehicle may be that is on its way to it, metres, where neither minimum height
 /// nor legs count.
-pub(crate) fn landing_column_m(vehicle: &Vehicle, plan: &Reference) -> f64 {
+pub(crate) fn landing_column_m(vehicle: &Vehicle, plan: &ReferenceTrajectory) -> f64 {
     let mut legs = plan.waypoints.windows(2).rev();
     let leg = legs.find(|leg| leg[0].point.at.distance_m(leg[1].point.at) > UPRIGHT_M);
     let course_rad = leg.map(|leg| heading_rad(leg[0].point.at, leg[1].point.at));
@@ -38,7 +38,7 @@ pub(crate) struct TakeoffTube {
 
 impl TakeoffTube {
     /// None for a vehicle that keeps to its column, and for a plan that does not begin with one.
-    pub(crate) fn of(vehicle: &Vehicle, plan: &Reference) -> Option<Self> {
+    pub(crate) fn of(vehicle: &Vehicle, plan: &ReferenceTrajectory) -> Option<Self> {
         let [home, top, rest @ ..] = plan.waypoints.as_slice() else {
             return None;
         };

@@ -32,7 +32,11 @@ fn plan(world: &World, lons_deg: &[f64], (items, from_s): (usize, f64)) -> Plan 
         });
     Plan {
         items,
-        reference: Reference::of_waypoints(waypoints.collect(), (450.0, false), world.frame),
+        reference: ReferenceTrajectory::of_waypoints(
+            waypoints.collect(),
+            (450.0, false),
+            world.frame,
+        ),
         from_s,
     }
 }

@@ -2,7 +2,7 @@
 //! they agree on what is done and what is left.
 
 use super::stops::{Itinerary, Service};
-use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::conformance::reference::{ReferenceTrajectory, Waypoint};
 use crate::geodesy::EastNorth;
 
 /// A waypoint this near a stop is made for it, metres.
@@ -37,7 +37,11 @@ impl StopRows {
 }
 
 /// The services with a stop that is left for a vehicle that flies to a row of its mission.
-pub(crate) fn left_of(itinerary: &Itinerary, reference: &Reference, row: usize) -> Vec<Service> {
+pub(crate) fn left_of(
+    itinerary: &Itinerary,
+    reference: &ReferenceTrajectory,
+    row: usize,
+) -> Vec<Service> {
     let rows = rows_of(itinerary, reference);
     let is_left = |stop: &usize| rows[*stop].as_ref().is_some_and(|rows| rows.is_left(row));
     let services = itinerary.services.iter();
@@ -47,7 +51,10 @@ pub(crate) fn left_of(itinerary: &Itinerary, reference: &Reference, row: usize) 
 
 /// The rows of each stop; none of a stop that the mission does not make. A mission that was given in
 /// flight makes the last stops alone.
-pub(crate) fn rows_of(itinerary: &Itinerary, reference: &Reference) -> Vec<Option<StopRows>> {
+pub(crate) fn rows_of(
+    itinerary: &Itinerary,
+    reference: &ReferenceTrajectory,
+) -> Vec<Option<StopRows>> {
     let frame = reference.frame();
     let sites = itinerary.sites().into_iter();
     let sites: Vec<EastNorth> = sites.map(|place| frame.to_plan(place)).collect();

@@ -6,7 +6,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-pub(in crate::flight) use assumed::OtherSetting;
+pub(in crate::flight) use assumed::ParameterMismatch;
 use assumed::{Assumed, is_same};
 
 use crate::autopilot::other_name;
@@ -55,9 +55,9 @@ pub(crate) struct SettingsCheck<'a> {
     none_comes: bool,
     differences: Vec<String>,
     /// What differed when it was read, by the place in `assumed`.
-    accepted: BTreeMap<usize, OtherSetting>,
+    accepted: BTreeMap<usize, ParameterMismatch>,
     /// What the vehicle says to be other than when it was read.
-    others: BTreeMap<usize, OtherSetting>,
+    others: BTreeMap<usize, ParameterMismatch>,
     /// What was sent to be set: its name, and the values before and after, in its unit.
     sent: Vec<(String, f32, f32)>,
     /// The one that is read again next in flight, and when.
@@ -130,13 +130,13 @@ impl<'a> SettingsCheck<'a> {
     }
 
     /// What the vehicle has said to be other than when it was read, for as long as this, milliseconds.
-    pub(in crate::flight) fn others(&self, now: Time, for_ms: u64) -> Vec<OtherSetting> {
-        let lasting = |of: &&OtherSetting| now - of.since >= for_ms;
+    pub(in crate::flight) fn others(&self, now: Time, for_ms: u64) -> Vec<ParameterMismatch> {
+        let lasting = |of: &&ParameterMismatch| now - of.since >= for_ms;
         self.others.values().filter(lasting).cloned().collect()
     }
 
     /// What of the return differs, or did when it was read.
-    pub(in crate::flight) fn other_of_return(&self) -> Option<&OtherSetting> {
+    pub(in crate::flight) fn other_of_return(&self) -> Option<&ParameterMismatch> {
         let mut all = self.others.values().chain(self.accepted.values());
         all.find(|of| of.is_of_return())
     }
@@ -156,14 +156,14 @@ impl<'a> SettingsCheck<'a> {
             self.others.remove(&at);
             return;
         }
-        let new = || OtherSetting::new(assumed, name, value, now);
+        let new = || ParameterMismatch::new(assumed, name, value, now);
         let other = self.others.entry(at).or_insert_with(new);
         (other.name, other.value, other.assumed) = (name.to_owned(), value, assumed.value(name));
     }
 
     /// Reads again what was said to be another one: an old answer may have come late.
     fn read_again(&mut self, now: Time, target: Address) -> Option<Message> {
-        let is_due = |of: &&mut OtherSetting| of.read < READ_AGAIN && now >= of.due;
+        let is_due = |of: &&mut ParameterMismatch| of.read < READ_AGAIN && now >= of.due;
         let other = self.others.values_mut().find(is_due)?;
         (other.read, other.due) = (other.read + 1, now + REPEAT_MS);
         Some(read(target, &other.name))
@@ -196,9 +196,9 @@ impl<'a> SettingsCheck<'a> {
             Some(_) => {}
             None => {
                 self.differences.push(assumed.difference(name, value));
-                let read = OtherSetting {
+                let read = ParameterMismatch {
                     read: READ_AGAIN,
-                    ..OtherSetting::new(assumed, name, value, now)
+                    ..ParameterMismatch::new(assumed, name, value, now)
                 };
                 self.accepted.insert(self.at, read);
                 self.next(now);

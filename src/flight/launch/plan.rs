@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::reference::ReferenceTrajectory;
 use crate::flight::error::FlightError;
 use crate::flight::itinerary::plan_file::itineraries;
 use crate::flight::itinerary::stops::Itinerary;
@@ -89,10 +89,10 @@ impl FlightPlan {
 
     /// The planned flights, in the order of the missions.
     #[must_use]
-    pub fn references(&self) -> Vec<Reference> {
+    pub fn references(&self) -> Vec<ReferenceTrajectory> {
         let missions = self.missions.iter().zip(&self.review.tracks);
         missions
-            .map(|((_, mission), track)| Reference::new(mission, track, &self.world))
+            .map(|((_, mission), track)| ReferenceTrajectory::new(mission, track, &self.world))
             .collect()
     }
 
@@ -100,7 +100,7 @@ impl FlightPlan {
     /// flight, by index in the spec.
     pub fn assignments(
         &self,
-        references: &[Reference],
+        references: &[ReferenceTrajectory],
         links: &Links,
         is_uploaded: impl Fn(usize) -> bool,
     ) -> Vec<Assignment<'_>> {

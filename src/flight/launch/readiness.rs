@@ -2,7 +2,7 @@
 
 use crate::autopilot::Version;
 use crate::geodesy::LatLon;
-use crate::link::{List, Onboard, differences};
+use crate::link::{MissionType, Onboard, differences};
 use crate::mission::{Home, VehicleMission};
 
 /// A reported home may be this far from the assumed one, metres across and in height.
@@ -86,9 +86,9 @@ pub(crate) fn list_problems(mission: &VehicleMission, onboard: &Onboard) -> Vec<
         return vec![format!("it is a {}", onboard.description)];
     }
     let lists = [
-        (List::Mission, &mission.items, &onboard.mission),
-        (List::Fence, &mission.fence, &onboard.fence),
-        (List::Rally, &mission.rally, &onboard.rally),
+        (MissionType::Mission, &mission.items, &onboard.mission),
+        (MissionType::Fence, &mission.fence, &onboard.fence),
+        (MissionType::Rally, &mission.rally, &onboard.rally),
     ];
     let mut problems = Vec::new();
     for (list, planned, held) in lists {

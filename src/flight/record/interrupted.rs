@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::handoff::{Ended, FlightHandoff, Notice};
 use super::journal::{Journal, unwritable};
 use super::lines::Line;
 use super::read::read_record;
-use super::underway::{Ended, Notice, Underway};
 use super::{Flight, Record};
 use crate::flight::clock::steady_ms;
 use crate::flight::error::FlightError;
@@ -37,10 +37,10 @@ impl Interrupted {
     /// be read or is of a flight that is over.
     pub fn find(
         folder: &Path,
-        underway: &Underway,
+        handoff: &FlightHandoff,
         frame: LocalFrame,
     ) -> Result<Self, FlightError> {
-        let notice = &underway.notice;
+        let notice = &handoff.notice;
         let Some(t0_unix_ms) = notice.t0_unix_ms.filter(|_| !notice.record.is_empty()) else {
             return Err(FlightError::Input(format!(
                 "{}: the flight broke off before T0: look whether a vehicle is armed, then start it anew with `sortie fly`",

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Fix, Flown, Plan, PopUp};
-use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::conformance::reference::{ReferenceTrajectory, Waypoint};
 use crate::flight::document::rounded;
 use crate::flight::event::Event;
 use crate::flight::itinerary::stops::Itinerary;
@@ -356,7 +356,11 @@ impl PlanLine {
         }
         Ok(Plan {
             items: self.items,
-            reference: Reference::of_waypoints(waypoints, (self.end_s, self.lands), frame),
+            reference: ReferenceTrajectory::of_waypoints(
+                waypoints,
+                (self.end_s, self.lands),
+                frame,
+            ),
             from_s,
         })
     }

@@ -1,17 +1,17 @@
 //! What was flown.
 
 pub(super) mod fix;
+pub(super) mod handoff;
 pub(super) mod interrupted;
 pub(super) mod invalid_line;
 pub(super) mod journal;
 pub(super) mod lines;
 pub(super) mod read;
 pub(super) mod tlog;
-pub(super) mod underway;
 
 pub use fix::Fix;
 
-use super::conformance::reference::Reference;
+use super::conformance::reference::ReferenceTrajectory;
 use super::itinerary::stops::Itinerary;
 use crate::spec::{Action, AlarmKind, Threat};
 
@@ -51,7 +51,7 @@ pub struct Plan {
     /// before it, which identifies it in what the vehicle reports.
     pub items: usize,
     /// What is flown is held against this.
-    pub reference: Reference,
+    pub reference: ReferenceTrajectory,
     /// When it was recorded, seconds after T0: before it is sent.
     pub from_s: f64,
 }
@@ -208,7 +208,7 @@ mod tests {
         });
         let plan = |(items, from_s): (usize, f64)| Plan {
             items,
-            reference: Reference::of_waypoints(Vec::new(), (100.0, true), frame),
+            reference: ReferenceTrajectory::of_waypoints(Vec::new(), (100.0, true), frame),
             from_s,
         };
         let fix = |(t_s, items): (f64, usize)| Fix {

@@ -36,7 +36,7 @@ impl Doing {
         } else if modes::is_land(held, custom_mode) {
             Self::Lands
         } else if modes::is_return(held, custom_mode) {
-            let home = plan.world.fixed_points.get(vehicle).map(|of| of.home.at);
+            let home = plan.world.sites.get(vehicle).map(|of| of.home.at);
             let home_m = home.map_or(0.0, |home| home.distance_m(here.at));
             let reach_m = rally_reach_m(held.autopilot, held.airframe, home_m);
             let rally = held.rally_points(&plan.world.frame);

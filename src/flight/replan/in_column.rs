@@ -1,6 +1,6 @@
 //! Columns in which a vehicle goes straight down or up: it leaves them before it has a new path.
 
-use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::reference::ReferenceTrajectory;
 use crate::geodesy::PlanPoint;
 use crate::mission::{Item, VehicleMission, command};
 
@@ -24,7 +24,7 @@ impl InColumn {
     /// By the row that a vehicle flies to and where it is.
     pub(super) fn of(
         held: &VehicleMission,
-        reference: &Reference,
+        reference: &ReferenceTrajectory,
         row: usize,
         here: PlanPoint,
     ) -> Option<Self> {

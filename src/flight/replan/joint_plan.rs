@@ -13,14 +13,14 @@ use super::assessment::{Assessment, NoPath};
 use super::new_mission::{NewMission, head_len};
 use super::state::{Branch, VehicleState, Via};
 use crate::cost::Margins;
-use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::reference::ReferenceTrajectory;
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, MissionError, VehicleMission};
 use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, Order, Vehicle};
 use crate::verify::{self, Limit, Margin, Review};
-use crate::world::{FixedPoints, World};
+use crate::world::{VehicleSites, World};
 
 /// Evaluations for each route: a new path must come soon.
 const EVALUATIONS: usize = 6000;
@@ -126,7 +126,7 @@ impl<'a> JointPlan<'a> {
             problems: Vec::new(),
             returns_met: Vec::new(),
         };
-        joint.world.fixed_points.clear();
+        joint.world.sites.clear();
         joint.world.tasks.clear();
         // An altitude AMSL is the same whatever home the autopilot has taken.
         joint.spec.mission.altitude = AltitudeReference::Amsl;
@@ -177,15 +177,15 @@ impl<'a> JointPlan<'a> {
         lands: bool,
         departure: Departure,
     ) {
-        let (vehicle, fixed_points) = (self.vehicle(state), self.fixed_points(state));
+        let (vehicle, sites) = (self.vehicle(state), self.sites(state));
         self.spec.vehicles.push(Vehicle {
             finish: if lands { Finish::Land } else { Finish::Loiter },
             stops: Vec::new(),
             order: Order::Fixed,
-            speed_mps: state.speed_now_mps(vehicle, fixed_points),
+            speed_mps: state.speed_now_mps(vehicle, sites),
             ..vehicle.clone()
         });
-        self.world.fixed_points.push(FixedPoints {
+        self.world.sites.push(VehicleSites {
             departure,
             start: from,
             goal: to,
@@ -194,7 +194,7 @@ impl<'a> JointPlan<'a> {
             landing_rad: None,
             goal_ground: ground(&self.world, to),
             stops: Vec::new(),
-            ..fixed_points.clone()
+            ..sites.clone()
         });
     }
 
@@ -205,33 +205,31 @@ impl<'a> JointPlan<'a> {
         ends: (PlanPoint, PlanPoint),
         departure: Departure,
     ) {
-        let (vehicle, fixed_points) = (self.vehicle(state), self.fixed_points(state));
+        let (vehicle, sites) = (self.vehicle(state), self.sites(state));
         self.add(state, ends, state.lands, departure);
-        let ahead = state.stops_ahead(vehicle, fixed_points);
-        if let (Some(own), Some(at)) = (
-            self.spec.vehicles.last_mut(),
-            self.world.fixed_points.last_mut(),
-        ) {
+        let ahead = state.stops_ahead(vehicle, sites);
+        if let (Some(own), Some(at)) = (self.spec.vehicles.last_mut(), self.world.sites.last_mut())
+        {
             own.stops = ahead
                 .iter()
                 .map(|&stop| vehicle.stops[stop].clone())
                 .collect();
-            at.stops = ahead.iter().map(|&stop| fixed_points.stops[stop]).collect();
-            if state.returns_from(vehicle, fixed_points.goal) && vehicle.wing.is_none() {
+            at.stops = ahead.iter().map(|&stop| sites.stops[stop]).collect();
+            if state.returns_from(vehicle, sites.goal) && vehicle.wing.is_none() {
                 own.finish = Finish::Return;
-                (at.goal, at.goal_ground) = (fixed_points.goal, fixed_points.goal_ground);
+                (at.goal, at.goal_ground) = (sites.goal, sites.goal_ground);
             }
-            own.on_way = on_way_ahead(state, vehicle, fixed_points);
+            own.on_way = on_way_ahead(state, vehicle, sites);
         }
     }
 
-    fn fixed_points(&self, state: &VehicleState) -> &'a FixedPoints {
-        &self.given.plan.world.fixed_points[state.vehicle]
+    fn sites(&self, state: &VehicleState) -> &'a VehicleSites {
+        &self.given.plan.world.sites[state.vehicle]
     }
 
     fn drop_last(&mut self) {
         self.spec.vehicles.pop();
-        self.world.fixed_points.pop();
+        self.world.sites.pop();
     }
 
     /// Commits the path and the items of the last vehicle that was added; `rows` are the rows on
@@ -258,8 +256,7 @@ impl<'a> JointPlan<'a> {
 
     /// The routes of the last vehicle that was added: its path from stop to stop.
     fn routes(&self, state: &VehicleState, path: &[PlanPoint]) -> Vec<Route> {
-        let (Some(own), Some(at)) = (self.spec.vehicles.last(), self.world.fixed_points.last())
-        else {
+        let (Some(own), Some(at)) = (self.spec.vehicles.last(), self.world.sites.last()) else {
             return Vec::new();
         };
         let mut pieces = Vec::new();
@@ -288,7 +285,7 @@ impl<'a> JointPlan<'a> {
     /// A path of the last vehicle that was added, timed from its departure.
     fn route(&self, state: &VehicleState, path: &[PlanPoint]) -> Route {
         let vehicle = self.vehicle(state);
-        let departure = self.world.fixed_points.last().map(|of| of.departure);
+        let departure = self.world.sites.last().map(|of| of.departure);
         let begin = match departure.unwrap_or_default() {
             Departure::Airborne {
                 at_s, speed_mps, ..
@@ -375,10 +372,10 @@ impl<'a> JointPlan<'a> {
             at_s: self.given.now_s,
         };
         self.add(state, (from, to), state.lands, departure);
-        let (vehicle, fixed_points) = (self.vehicle(state), self.fixed_points(state));
+        let (vehicle, sites) = (self.vehicle(state), self.sites(state));
         let index = self.spec.vehicles.len() - 1;
         if let Some(own) = self.spec.vehicles.last_mut() {
-            own.on_way = on_way_ahead(state, vehicle, fixed_points);
+            own.on_way = on_way_ahead(state, vehicle, sites);
             if vehicle.finish == Finish::Return {
                 // What is done at the goal stays as it is on board.
                 own.on_way.goal.clear();
@@ -467,7 +464,7 @@ impl<'a> JointPlan<'a> {
             if let (Some(mission), Some(track)) =
                 (self.missions.get(index), review.tracks.get(index))
             {
-                let judged = Reference::new(mission, track, &self.world);
+                let judged = ReferenceTrajectory::new(mission, track, &self.world);
                 new.time(&judged, head_len(&mission.items), self.given.now_s);
             }
         }

@@ -1,7 +1,7 @@
 //! The new mission of a vehicle in flight, and the plan that its flight is judged by.
 
 use super::state::{Branch, VehicleState, is_takeoff, item_at};
-use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::conformance::reference::{ReferenceTrajectory, Waypoint};
 use crate::flight::record::Plan;
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{Item, VehicleMission, command};
@@ -65,7 +65,7 @@ impl NewMission {
             origin: state.origin,
             plan: Plan {
                 items,
-                reference: Reference::of_waypoints(Vec::new(), (0.0, state.lands), frame),
+                reference: ReferenceTrajectory::of_waypoints(Vec::new(), (0.0, state.lands), frame),
                 from_s: 0.0,
             },
         })
@@ -73,7 +73,7 @@ impl NewMission {
 
     /// Takes the times of its plan from the flight that was verified. The first `head` items of
     /// that go nowhere; `now_s` is now, seconds after T0.
-    pub(super) fn time(&mut self, judged: &Reference, head: usize, now_s: f64) {
+    pub(super) fn time(&mut self, judged: &ReferenceTrajectory, head: usize, now_s: f64) {
         let ahead = judged.waypoints.iter().filter(|w| w.item > head);
         let ahead = ahead.map(|waypoint| Waypoint {
             item: waypoint.item - head + self.ahead,
@@ -87,7 +87,7 @@ impl NewMission {
             late_s: 0.0,
         };
         self.plan.from_s = now_s;
-        self.plan.reference = Reference::of_waypoints(
+        self.plan.reference = ReferenceTrajectory::of_waypoints(
             std::iter::once(origin).chain(ahead).collect(),
             (judged.end_s, judged.lands),
             *judged.frame(),

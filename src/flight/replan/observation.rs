@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::flight::clock::{Clock, steady_ms};
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
-use crate::flight::record::underway::Ended;
+use crate::flight::record::handoff::Ended;
 use crate::link::{
     AUTOPILOT_INVALID, Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message,
     Onboard, Position, Reading, Time,

@@ -4,7 +4,7 @@ use super::activity::Doing;
 use super::in_column::{InColumn, puts_down};
 use super::observation::ObservedVehicle;
 use super::path_distance::comes_near;
-use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::conformance::reference::{ReferenceTrajectory, Waypoint};
 use crate::flight::itinerary::rows::left_of;
 use crate::flight::itinerary::stops::Service;
 use crate::flight::launch::plan::FlightPlan;
@@ -13,7 +13,7 @@ use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
 use crate::spec::{Finish, Stop, Vehicle, Wing};
 use crate::verify::Track;
-use crate::world::{Departure, FixedPoints};
+use crate::world::{Departure, VehicleSites};
 
 /// Lower above its home than this a vehicle stands on the ground, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -292,13 +292,13 @@ impl VehicleState {
 
     /// The stops of its own that are ahead, in the order in which it visits them, by their indices in
     /// the spec. One at which it rests already is none: it is not done twice.
-    pub(super) fn stops_ahead(&self, vehicle: &Vehicle, fixed_points: &FixedPoints) -> Vec<usize> {
+    pub(super) fn stops_ahead(&self, vehicle: &Vehicle, sites: &VehicleSites) -> Vec<usize> {
         let at = |via: &Via| {
             let is_whole = |stop: &Stop| {
                 let is_one_item = stop.actions.is_empty() && stop.drop_m <= 0.0;
                 is_one_item || via.items.len() > 1
             };
-            let mut stops = vehicle.stops.iter().zip(&fixed_points.stops);
+            let mut stops = vehicle.stops.iter().zip(&sites.stops);
             stops.position(|(stop, point)| via.point.distance_m(*point) < GOAL_M && is_whole(stop))
         };
         self.vias.iter().filter_map(at).collect()
@@ -341,8 +341,8 @@ impl VehicleState {
     }
 
     /// The speed that it flies with now: that of the last stop behind it that has one, m/s.
-    pub(super) fn speed_now_mps(&self, vehicle: &Vehicle, fixed_points: &FixedPoints) -> f64 {
-        let ahead = self.stops_ahead(vehicle, fixed_points);
+    pub(super) fn speed_now_mps(&self, vehicle: &Vehicle, sites: &VehicleSites) -> f64 {
+        let ahead = self.stops_ahead(vehicle, sites);
         let behind = vehicle.stops.iter().enumerate().rev();
         let mut behind = behind.filter(|(index, _)| !ahead.contains(index));
         let own_mps = behind.find_map(|(_, stop)| stop.speed_mps);
@@ -379,8 +379,8 @@ impl VehicleState {
 
 /// Where its planned path begins, and where it ends.
 fn start_and_goal(plan: &FlightPlan, vehicle: usize) -> Option<(PlanPoint, PlanPoint)> {
-    let fixed_points = plan.world.fixed_points.get(vehicle)?;
-    Some((fixed_points.start, fixed_points.goal))
+    let sites = plan.world.sites.get(vehicle)?;
+    Some((sites.start, sites.goal))
 }
 
 /// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.
@@ -452,7 +452,10 @@ fn vias(
 
 /// Where the leg to the item of a row begins, unless at home; and the waypoints ahead in the air,
 /// each with the index of its item.
-fn split_path(reference: &Reference, row: usize) -> (Option<PlanPoint>, Vec<(usize, PlanPoint)>) {
+fn split_path(
+    reference: &ReferenceTrajectory,
+    row: usize,
+) -> (Option<PlanPoint>, Vec<(usize, PlanPoint)>) {
     let waypoints = &reference.waypoints;
     let first = waypoints.iter().position(|w| w.item >= row);
     let first = first.unwrap_or(waypoints.len());
@@ -466,13 +469,13 @@ fn split_path(reference: &Reference, row: usize) -> (Option<PlanPoint>, Vec<(usi
 }
 
 /// The waypoints of a mission without their times.
-fn untimed(held: &VehicleMission, plan: &FlightPlan) -> Reference {
+fn untimed(held: &VehicleMission, plan: &FlightPlan) -> ReferenceTrajectory {
     let no_times = Track {
         vehicle: String::new(),
         moments: Vec::new(),
         late_s: Vec::new(),
     };
-    Reference::new(held, &no_times, &plan.world)
+    ReferenceTrajectory::new(held, &no_times, &plan.world)
 }
 
 /// A position in planning coordinates.

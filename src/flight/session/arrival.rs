@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::orbit::Orbit;
-use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::reference::ReferenceTrajectory;
 use crate::flight::launch::readiness::STANDS_M;
 use crate::flight::record::Fix;
 use crate::geodesy::{LatLon, LocalFrame};
@@ -80,20 +80,20 @@ pub(crate) fn landing_m(airframe: Airframe) -> f64 {
 }
 
 /// How far a place is from where a plan ends, metres across.
-pub(crate) fn away_m(reference: &Reference, place: LatLon) -> f64 {
+pub(crate) fn away_m(reference: &ReferenceTrajectory, place: LatLon) -> f64 {
     let last = reference.waypoints.last();
     let at = reference.frame().to_plan(place);
     last.map_or(f64::INFINITY, |last| last.point.at.distance_m(at))
 }
 
 /// Whether it stands still in the air where the plan ends.
-pub(crate) fn hovers(reference: &Reference, fix: &Fix) -> bool {
+pub(crate) fn hovers(reference: &ReferenceTrajectory, fix: &Fix) -> bool {
     fix.speed_mps <= STILL_MPS && away_m(reference, fix.place) <= ARRIVED_M
 }
 
 /// How far a wing has turned on the circle that its plan ends with, radians: in the
 /// positions up to the last that are all on it.
-pub(crate) fn circled_rad(reference: &Reference, fixes: &[Fix]) -> f64 {
+pub(crate) fn circled_rad(reference: &ReferenceTrajectory, fixes: &[Fix]) -> f64 {
     let at = |fix: &Fix| reference.frame().to_plan(fix.place);
     let off = fixes
         .iter()
@@ -105,7 +105,7 @@ pub(crate) fn circled_rad(reference: &Reference, fixes: &[Fix]) -> f64 {
 }
 
 /// Whether the positions of a flight that shall not land end with a stay at the end of the plan.
-pub(crate) fn stays(reference: &Reference, airframe: Airframe, fixes: &[Fix]) -> bool {
+pub(crate) fn stays(reference: &ReferenceTrajectory, airframe: Airframe, fixes: &[Fix]) -> bool {
     if airframe.has_wing() {
         circled_rad(reference, fixes) >= TURNED_RAD
     } else {

@@ -232,7 +232,7 @@ impl<'a> Diversion<'a> {
             // It counts home.
             Autopilot::ArduPilot => {
                 let seq = f32::from(whole(next + 1));
-                let order = Command::new(Command::SET_MISSION_CURRENT, [seq]);
+                let order = Command::new(Command::DO_SET_MISSION_CURRENT, [seq]);
                 self.pending = Some(PendingCommand::new(self.vehicle, order, now));
             }
             Autopilot::Px4 => {

@@ -18,18 +18,21 @@ fn change(of: &VehicleMission, mode: Mode) -> Command {
         Autopilot::ArduPilot => (u16::from_be_bytes([high, low]), 0),
         Autopilot::Px4 => (u16::from(main), sub),
     };
-    Command::new(Command::SET_MODE, [CUSTOM, f32::from(main), f32::from(sub)])
+    Command::new(
+        Command::DO_SET_MODE,
+        [CUSTOM, f32::from(main), f32::from(sub)],
+    )
 }
 
 /// Commands that arm a vehicle on the ground, in this order, in a mode in which it stands.
 pub(crate) fn arm(of: &VehicleMission) -> Vec<Command> {
-    let arm = Command::new(Command::ARM_DISARM, [1.0]);
+    let arm = Command::new(Command::COMPONENT_ARM_DISARM, [1.0]);
     vec![change(of, modes(of).arming), arm]
 }
 
 /// Stops the motors of a vehicle that has not taken off.
 pub(crate) fn disarm() -> Command {
-    Command::new(Command::ARM_DISARM, [0.0])
+    Command::new(Command::COMPONENT_ARM_DISARM, [0.0])
 }
 
 /// Starts the mission of an armed vehicle, or continues it.

@@ -235,7 +235,7 @@ impl Fleet<'_> {
             let t0_ms = self.flight_ms(now);
             if let Some(alarms) = &mut self.alarms {
                 for (index, vehicle) in self.vehicles.iter().enumerate() {
-                    alarms.hold_to(index, vehicle.checked());
+                    alarms.set_checked(index, vehicle.checked());
                 }
             }
             self.phase = Phase::Flying { t0_ms };

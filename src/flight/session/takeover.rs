@@ -2,14 +2,14 @@
 
 use super::vehicle::Assignment;
 use super::{Event, Fleet, Options, Phase};
-use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::reference::ReferenceTrajectory;
 use crate::flight::record::Flight;
 use crate::flight::record::interrupted::Interrupted;
 use crate::link::{Address, Time};
 
 /// The last plan of a vehicle, if it was not seen to fly it yet: when it was sent, seconds after T0, its number of items,
 /// and how it is flown.
-fn sent(recorded: &Flight) -> Option<(f64, (usize, Reference))> {
+fn sent(recorded: &Flight) -> Option<(f64, (usize, ReferenceTrajectory))> {
     let flown = recorded.plan_of_each().last().copied().unwrap_or_default();
     let (last, plan) = recorded.plans.iter().enumerate().next_back()?;
     (last > flown).then(|| (plan.from_s, (plan.items, plan.reference.clone())))

@@ -20,7 +20,7 @@ use super::command::pending::{Answer, PendingCommand};
 use super::end::End;
 use super::orbit::Orbit;
 use crate::autopilot::{Autopilot, Version};
-use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::reference::ReferenceTrajectory;
 use crate::flight::itinerary::progress::Progress;
 use crate::flight::itinerary::stops::Itinerary;
 use crate::flight::launch::parameters::SettingsCheck;
@@ -52,7 +52,7 @@ pub struct Assignment<'a> {
     /// What it shall hold.
     pub mission: &'a VehicleMission,
     /// The planned flight.
-    pub reference: Reference,
+    pub reference: ReferenceTrajectory,
     /// When its mission is started, seconds after T0; a delay that is encoded in the
     /// mission is none of it.
     pub start_s: f64,
@@ -135,7 +135,7 @@ pub(crate) struct Totals {
     pub(crate) now: Option<usize>,
     pub(crate) ready: Option<usize>,
     /// The plan that it is sent in flight, and its number of items: it flies it from when it holds as many.
-    pub(crate) next: Option<(usize, Reference)>,
+    pub(crate) next: Option<(usize, ReferenceTrajectory)>,
     /// When it was sent, seconds after T0; none once it was said that it does not hold it.
     pub(crate) sent_s: Option<f64>,
 }

@@ -166,12 +166,15 @@ impl<'a> Drawing<'a> {
             let number = fence.len() - rest.len() + 1;
             rest = others;
             let drawn = match first.command {
-                command::FENCE_POLYGON_INCLUSION | command::FENCE_POLYGON_EXCLUSION => {
+                command::NAV_FENCE_POLYGON_VERTEX_INCLUSION
+                | command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION => {
                     let (corners, after) = others.split_at(corner_count(first, others) - 1);
                     rest = after;
                     polygon(first, corners)
                 }
-                command::FENCE_CIRCLE_INCLUSION | command::FENCE_CIRCLE_EXCLUSION => circle(first),
+                command::NAV_FENCE_CIRCLE_INCLUSION | command::NAV_FENCE_CIRCLE_EXCLUSION => {
+                    circle(first)
+                }
                 _ => {
                     self.returns.push(DrawnItem {
                         number,
@@ -206,7 +209,11 @@ fn stays_level(item: &Item, mission: &VehicleMission) -> bool {
         && mission.autopilot.conventions().zero_is_unset
         && !mission.airframe.has_wing()
         && item.command != command::NAV_LAND
-        && mission.facts().acceptance.here.contains(&item.command)
+        && mission
+            .facts()
+            .acceptance
+            .zero_is_here
+            .contains(&item.command)
 }
 
 /// The point of an item, if its frame is global and its place valid.
@@ -230,7 +237,7 @@ fn polygon(first: &Item, others: &[Item]) -> Option<Shape> {
     let corners = std::iter::once(first).chain(others);
     let corners: Option<Vec<LatLon>> = corners.map(Item::place).collect();
     let corners = corners.filter(|corners| corners.len() >= 3)?;
-    let inclusion = first.command == command::FENCE_POLYGON_INCLUSION;
+    let inclusion = first.command == command::NAV_FENCE_POLYGON_VERTEX_INCLUSION;
     Some(("polygon", inclusion, ring(corners)))
 }
 
@@ -242,7 +249,7 @@ fn circle(item: &Item) -> Option<Shape> {
         east_m: 0.0,
         north_m: 0.0,
     };
-    let inclusion = item.command == command::FENCE_CIRCLE_INCLUSION;
+    let inclusion = item.command == command::NAV_FENCE_CIRCLE_INCLUSION;
     // On the safe side: inclusion circles are drawn too small, exclusion circles too large.
     let outline = if inclusion { inscribed } else { circumscribed };
     drawable.then(|| {

@@ -36,25 +36,25 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
     for zone in &spec.no_fly {
         features.push(feature(polygon(ring(zone.outline())), &heights(zone)));
     }
-    for (vehicle, fixed_points) in spec.vehicles.iter().zip(&world.fixed_points) {
-        for (kind, fixed_points) in [
-            ("home", fixed_points.home),
-            ("start", fixed_points.start),
-            ("goal", fixed_points.goal),
+    for (vehicle, sites) in spec.vehicles.iter().zip(&world.sites) {
+        for (kind, sites) in [
+            ("home", sites.home),
+            ("start", sites.start),
+            ("goal", sites.goal),
         ] {
-            let coordinates = position(MapPoint::of(world, fixed_points));
+            let coordinates = position(MapPoint::of(world, sites));
             features.push(feature(
                 GeometryValue::Point { coordinates },
-                &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(fixed_points) }),
+                &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(sites) }),
             ));
         }
     }
-    for (vehicle, fixed_points) in spec.vehicles.iter().zip(&world.fixed_points) {
-        for (stop, fixed_points) in vehicle.stops.iter().zip(&fixed_points.stops) {
-            let coordinates = position(MapPoint::of(world, *fixed_points));
+    for (vehicle, sites) in spec.vehicles.iter().zip(&world.sites) {
+        for (stop, sites) in vehicle.stops.iter().zip(&sites.stops) {
+            let coordinates = position(MapPoint::of(world, *sites));
             let mut properties = json!({
                 "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
-                "amsl_m": metres(*fixed_points), "hold_s": stop.hold_s,
+                "amsl_m": metres(*sites), "hold_s": stop.hold_s,
             });
             if !stop.actions.is_empty() {
                 let actions = stop.actions.iter().map(StopAction::key);

@@ -38,24 +38,22 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         kml.polygon(&zone.id, "zone", &ring(zone.outline()), Some(top));
     }
     kml.close("Folder");
-    for (index, (vehicle, fixed_points)) in
-        spec.vehicles.iter().zip(&world.fixed_points).enumerate()
-    {
+    for (index, (vehicle, sites)) in spec.vehicles.iter().zip(&world.sites).enumerate() {
         kml.open("Folder");
         kml.leaf("name", &vehicle.id);
         for (_, path) in paths.iter().filter(|(id, _)| *id == vehicle.id) {
             kml.path(&vehicle.id, index % COLOURS.len(), world, path);
         }
-        for (name, fixed_points) in [
-            ("home", fixed_points.home),
-            ("start", fixed_points.start),
-            ("goal", fixed_points.goal),
+        for (name, sites) in [
+            ("home", sites.home),
+            ("start", sites.start),
+            ("goal", sites.goal),
         ] {
-            let point = MapPoint::of(world, fixed_points);
+            let point = MapPoint::of(world, sites);
             kml.placemark(&format!("{} {name}", vehicle.id), point);
         }
-        for (stop, fixed_points) in vehicle.stops.iter().zip(&fixed_points.stops) {
-            let point = MapPoint::of(world, *fixed_points);
+        for (stop, sites) in vehicle.stops.iter().zip(&sites.stops) {
+            let point = MapPoint::of(world, *sites);
             let actions: Vec<&str> = stop.actions.iter().map(StopAction::key).collect();
             let done = match actions.is_empty() {
                 true => String::new(),

@@ -317,14 +317,14 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
     let breach = node.get("breachReturn");
     if !breach.value.is_null() {
         let (at, z) = breach.place()?;
-        let item = raised_item(command::FENCE_RETURN_POINT, at, z.unwrap_or(0.0));
+        let item = raised_item(command::NAV_FENCE_RETURN_POINT, at, z.unwrap_or(0.0));
         document.fence.push(item);
     }
     for polygon in node.get("polygons").list()? {
         let command = if polygon.get("inclusion").flag()? {
-            command::FENCE_POLYGON_INCLUSION
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION
         } else {
-            command::FENCE_POLYGON_EXCLUSION
+            command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION
         };
         let corners = polygon.get("polygon").list()?;
         let count = u16::try_from(corners.len())
@@ -339,9 +339,9 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
     }
     for circle in node.get("circles").list()? {
         let command = if circle.get("inclusion").flag()? {
-            command::FENCE_CIRCLE_INCLUSION
+            command::NAV_FENCE_CIRCLE_INCLUSION
         } else {
-            command::FENCE_CIRCLE_EXCLUSION
+            command::NAV_FENCE_CIRCLE_EXCLUSION
         };
         let circle = circle.get("circle");
         let (at, _) = circle.get("center").place()?;
@@ -365,7 +365,7 @@ fn rally(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
     for point in node.get("points").list()? {
         let (at, z) = point.place()?;
         let z = z.ok_or_else(|| point.bad("[latitude, longitude, altitude above home]"))?;
-        let item = raised_item(command::RALLY_POINT, at, z);
+        let item = raised_item(command::NAV_RALLY_POINT, at, z);
         document.rally.push(item);
     }
     Ok(())

@@ -122,26 +122,27 @@ fn fence(items: &[Item]) -> Value {
     while let Some((first, others)) = rest.split_first() {
         rest = others;
         match first.command {
-            command::FENCE_POLYGON_INCLUSION | command::FENCE_POLYGON_EXCLUSION => {
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION
+            | command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION => {
                 let corners = corner_count(first, others);
                 let (corners, after) = others.split_at(corners - 1);
                 rest = after;
                 let outline: Vec<Value> =
                     std::iter::once(first).chain(corners).map(place).collect();
                 polygons.push(json!({
-                    "inclusion": first.command == command::FENCE_POLYGON_INCLUSION,
+                    "inclusion": first.command == command::NAV_FENCE_POLYGON_VERTEX_INCLUSION,
                     "polygon": outline,
                     "version": 1,
                 }));
             }
-            command::FENCE_CIRCLE_INCLUSION | command::FENCE_CIRCLE_EXCLUSION => {
+            command::NAV_FENCE_CIRCLE_INCLUSION | command::NAV_FENCE_CIRCLE_EXCLUSION => {
                 circles.push(json!({
                     "circle": { "center": place(first), "radius": number(first.params[0]) },
-                    "inclusion": first.command == command::FENCE_CIRCLE_INCLUSION,
+                    "inclusion": first.command == command::NAV_FENCE_CIRCLE_INCLUSION,
                     "version": 1,
                 }));
             }
-            command::FENCE_RETURN_POINT => {
+            command::NAV_FENCE_RETURN_POINT => {
                 object.insert("breachReturn".to_owned(), place_and_height(first));
             }
             _ => {}

@@ -182,7 +182,7 @@ impl Reader {
             return self.home(row, &item);
         }
         let is_mission =
-            !(command::FENCE_RETURN_POINT..=command::RALLY_POINT).contains(&item.command);
+            !(command::NAV_FENCE_RETURN_POINT..=command::NAV_RALLY_POINT).contains(&item.command);
         if self.rows == 0 && has_home {
             if is_mission {
                 let what = format!(

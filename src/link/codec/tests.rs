@@ -4,7 +4,7 @@ use mavlink::dialects::ardupilotmega as dialect;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader};
 
 use super::*;
-use crate::link::List;
+use crate::link::MissionType;
 use crate::link::message::payload::{read_payload, write_payload};
 use crate::link::message::{
     Address, Body, Heartbeat, Message, MissionMessage, MissionResult, TEXT_BYTES, TextChunk,
@@ -35,7 +35,7 @@ fn item() -> Item {
 fn mission(body: Body) -> Message {
     Message::Mission(MissionMessage {
         target: TARGET,
-        mission_type: List::Fence.mission_type(),
+        mission_type: MissionType::Fence.mission_type(),
         body,
     })
 }

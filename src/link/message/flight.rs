@@ -115,19 +115,19 @@ pub struct Command {
 
 impl Command {
     /// `MAV_CMD_NAV_LOITER_UNLIM`.
-    pub const LOITER: u16 = 17;
+    pub const NAV_LOITER_UNLIM: u16 = 17;
     /// `MAV_CMD_NAV_RETURN_TO_LAUNCH`.
-    pub const RETURN: u16 = 20;
+    pub const NAV_RETURN_TO_LAUNCH: u16 = 20;
     /// `MAV_CMD_NAV_LAND`.
-    pub const LAND: u16 = 21;
+    pub const NAV_LAND: u16 = 21;
     /// `MAV_CMD_DO_SET_MODE`.
-    pub const SET_MODE: u16 = 176;
+    pub const DO_SET_MODE: u16 = 176;
     /// `MAV_CMD_DO_SET_MISSION_CURRENT`.
-    pub const SET_MISSION_CURRENT: u16 = 224;
+    pub const DO_SET_MISSION_CURRENT: u16 = 224;
     /// `MAV_CMD_MISSION_START`.
     pub const MISSION_START: u16 = 300;
     /// `MAV_CMD_COMPONENT_ARM_DISARM`.
-    pub const ARM_DISARM: u16 = 400;
+    pub const COMPONENT_ARM_DISARM: u16 = 400;
     /// `MAV_CMD_GET_HOME_POSITION`.
     pub const GET_HOME_POSITION: u16 = 410;
     /// `MAV_CMD_SET_MESSAGE_INTERVAL`.

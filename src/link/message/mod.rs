@@ -166,7 +166,7 @@ impl Heartbeat {
 pub struct MissionMessage {
     /// The receiver.
     pub target: Address,
-    /// `MAV_MISSION_TYPE` as it came; see [`List`].
+    /// `MAV_MISSION_TYPE` as it came; see [`MissionType`].
     pub mission_type: u8,
     /// Its content.
     pub body: Body,
@@ -248,7 +248,7 @@ pub enum Body {
 
 /// The three lists a vehicle holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum List {
+pub enum MissionType {
     /// `MAV_MISSION_TYPE_MISSION`.
     Mission,
     /// `MAV_MISSION_TYPE_FENCE`.
@@ -257,7 +257,7 @@ pub enum List {
     Rally,
 }
 
-impl List {
+impl MissionType {
     /// All three, in the order of their numbers.
     pub const ALL: [Self; 3] = [Self::Mission, Self::Fence, Self::Rally];
 
@@ -280,7 +280,7 @@ impl List {
     }
 }
 
-impl fmt::Display for List {
+impl fmt::Display for MissionType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Mission => "mission",
@@ -362,7 +362,7 @@ pub struct Route {
     /// The vehicle.
     pub vehicle: Address,
     /// Which of its lists.
-    pub list: List,
+    pub list: MissionType,
 }
 
 impl Route {

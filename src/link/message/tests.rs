@@ -23,7 +23,10 @@ fn all() -> Vec<FlightMessage> {
     vec![
         FlightMessage::Command {
             target: TARGET,
-            order: Command::new(Command::ARM_DISARM, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]),
+            order: Command::new(
+                Command::COMPONENT_ARM_DISARM,
+                [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0],
+            ),
         },
         FlightMessage::CommandAck {
             target: US,

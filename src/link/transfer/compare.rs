@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::link::message::List;
+use crate::link::message::MissionType;
 use crate::link::stored_form::stored_form;
 use crate::mission::{Item, frame};
 use crate::spec::{Airframe, Autopilot};
@@ -11,7 +11,7 @@ use crate::spec::{Airframe, Autopilot};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Which list.
-    pub list: List,
+    pub list: MissionType,
     /// Row: for a mission that of the `.waypoints` file (home is 0), for fence and
     /// rally the position from 1. `None` when the number of items differs.
     pub row: Option<usize>,
@@ -43,7 +43,7 @@ impl fmt::Display for Difference {
 pub fn differences(
     autopilot: Autopilot,
     airframe: Airframe,
-    list: List,
+    list: MissionType,
     sent: &[Item],
     read: &[Item],
 ) -> Vec<Difference> {
@@ -77,7 +77,7 @@ pub fn differences(
 /// Every field, and whether it was read back as sent or in its stored form.
 fn fields(
     autopilot: Autopilot,
-    list: List,
+    list: MissionType,
     sent: &Item,
     stored: &Item,
     read: &Item,
@@ -86,7 +86,7 @@ fn fields(
     let either = |same: &dyn Fn(&Item) -> bool| same(sent) || same(stored);
     let param = |n: usize| either(&|item| near(autopilot, item.params[n], read.params[n]));
     // Fences are two-dimensional: neither reference nor altitude means anything.
-    let flat = list == List::Fence;
+    let flat = list == MissionType::Fence;
     let frame = |item: &Item| frame::canonical(item.frame) == frame::canonical(read.frame);
     let z = same(sent.z, read.z)
         || same(stored.z, read.z)
@@ -154,7 +154,13 @@ mod tests {
     }
 
     fn mission(autopilot: Autopilot, sent: Item, read: Item) -> Vec<Difference> {
-        differences(autopilot, Airframe::Copter, List::Mission, &[sent], &[read])
+        differences(
+            autopilot,
+            Airframe::Copter,
+            MissionType::Mission,
+            &[sent],
+            &[read],
+        )
     }
 
     #[test]
@@ -196,7 +202,7 @@ mod tests {
         let found = differences(
             Autopilot::Px4,
             Airframe::Copter,
-            List::Fence,
+            MissionType::Fence,
             &[item(0.0); 4],
             &[item(0.0); 3],
         );

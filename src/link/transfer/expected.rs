@@ -1,7 +1,7 @@
 //! The lists that a vehicle must hold, as they are sent and as they are compared.
 
 use super::compare::{Difference, differences};
-use crate::link::message::List;
+use crate::link::message::MissionType;
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::Autopilot;
 
@@ -14,23 +14,23 @@ pub(crate) struct Expected<'a> {
 
 impl<'a> Expected<'a> {
     /// The items of a list, without home.
-    pub(crate) fn items(&self, list: List) -> &'a [Item] {
+    pub(crate) fn items(&self, list: MissionType) -> &'a [Item] {
         match list {
-            List::Mission => &self.mission.items,
-            List::Fence => &self.mission.fence,
-            List::Rally => &self.mission.rally,
+            MissionType::Mission => &self.mission.items,
+            MissionType::Fence => &self.mission.fence,
+            MissionType::Rally => &self.mission.rally,
         }
     }
 
     /// The items as they are sent: with home in front for ArduPilot, and exactly one
     /// mission item marked as current (MAVSDK refuses a mission otherwise).
-    pub(crate) fn rows(&self, list: List) -> Vec<(Item, u8)> {
+    pub(crate) fn rows(&self, list: MissionType) -> Vec<(Item, u8)> {
         let mut rows: Vec<(Item, u8)> = Vec::new();
         if self.has_home(list) {
             rows.push((self.home_row(), 0));
         }
         rows.extend(self.items(list).iter().map(|item| (*item, 0)));
-        if let (List::Mission, Some((_, current))) = (list, rows.first_mut()) {
+        if let (MissionType::Mission, Some((_, current))) = (list, rows.first_mut()) {
             *current = 1;
         }
         rows
@@ -38,7 +38,7 @@ impl<'a> Expected<'a> {
 
     /// Removes home from the items read, because the vehicle puts its own there, and
     /// compares the rest.
-    pub(crate) fn compare(&self, list: List, read: &mut Vec<Item>) -> Vec<Difference> {
+    pub(crate) fn compare(&self, list: MissionType, read: &mut Vec<Item>) -> Vec<Difference> {
         if self.has_home(list) && !read.is_empty() {
             read.remove(0);
         }
@@ -52,12 +52,12 @@ impl<'a> Expected<'a> {
     }
 
     /// How many there are of [`Expected::rows`].
-    pub(crate) fn row_count(&self, list: List) -> usize {
+    pub(crate) fn row_count(&self, list: MissionType) -> usize {
         self.items(list).len() + usize::from(self.has_home(list))
     }
 
-    fn has_home(&self, list: List) -> bool {
-        list == List::Mission && self.autopilot.conventions().counts_home
+    fn has_home(&self, list: MissionType) -> bool {
+        list == MissionType::Mission && self.autopilot.conventions().counts_home
     }
 
     /// Sequence number 0 of an ArduPilot mission.

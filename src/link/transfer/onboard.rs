@@ -8,7 +8,7 @@ use super::discovery::{COMPANION_MS, is_ready};
 use super::download::{Download, DownloadError};
 use super::identity;
 use super::report::Failure;
-use crate::link::message::{Address, Heartbeat, List, Message, MissionResult, Route};
+use crate::link::message::{Address, Heartbeat, Message, MissionResult, MissionType, Route};
 use crate::link::time::Time;
 use crate::mission::{Home, Item};
 use crate::spec::Autopilot;
@@ -26,7 +26,7 @@ const HOME_MS: u64 = 3000;
 /// Between two of our heartbeats, milliseconds.
 const HEARTBEAT_MS: u64 = 1000;
 /// The lists in the order of reading.
-const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
+const ORDER: [MissionType; 3] = [MissionType::Fence, MissionType::Rally, MissionType::Mission];
 
 /// The lists that a vehicle holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +46,7 @@ pub struct Onboard {
     /// Rally points.
     pub rally: Vec<Item>,
     /// Lists that the vehicle does not know.
-    pub unknown: Vec<List>,
+    pub unknown: Vec<MissionType>,
 }
 
 /// The reading of one vehicle; see the [driver contract](crate::link#driver-contract).
@@ -72,10 +72,10 @@ pub struct Reading {
     looks_again: bool,
     is_last_look: bool,
     /// Who was heard to write to the vehicle since it began, and its list (none for all of them).
-    foreign: Option<(u8, Option<List>)>,
+    foreign: Option<(u8, Option<MissionType>)>,
     /// How often it was begun anew.
     again: u32,
-    unknown: Vec<List>,
+    unknown: Vec<MissionType>,
     home: Option<Home>,
     outcome: Option<Result<Onboard, Failure>>,
 }
@@ -213,7 +213,7 @@ impl Reading {
 
     /// The current list, and the number of its items read.
     #[must_use]
-    pub fn progress(&self) -> Option<(List, usize)> {
+    pub fn progress(&self) -> Option<(MissionType, usize)> {
         match &self.stage {
             Stage::Reading(download) => Some((*ORDER.get(self.at)?, download.progress())),
             Stage::Discovery { .. } | Stage::AwaitingHome { .. } | Stage::Quiet { .. } => None,
@@ -368,7 +368,7 @@ impl Reading {
             Ok(items) => self.lists.push(items),
             Err(DownloadError::Refused {
                 result: MissionResult::UNSUPPORTED,
-            }) if list != List::Mission => {
+            }) if list != MissionType::Mission => {
                 self.unknown.push(list);
                 self.lists.push(Vec::new());
             }

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use super::compare::Difference;
 use super::download::DownloadError;
 use super::upload::UploadError;
-use crate::link::message::{List, MissionResult};
+use crate::link::message::{MissionResult, MissionType};
 use crate::mission::Item;
 
 /// The report of one vehicle's transfer.
@@ -128,7 +128,7 @@ pub enum Failure {
     #[error("{list}: {error}{}", way_out(*.list, error))]
     Upload {
         /// Which.
-        list: List,
+        list: MissionType,
         /// Why.
         #[source]
         error: UploadError,
@@ -137,7 +137,7 @@ pub enum Failure {
     #[error("{list}: what is on board could not be cleared: {result}")]
     Clear {
         /// Which.
-        list: List,
+        list: MissionType,
         /// Its answer.
         result: MissionResult,
     },
@@ -145,7 +145,7 @@ pub enum Failure {
     #[error("{list}: could not be read back: {error}")]
     ReadBack {
         /// Which.
-        list: List,
+        list: MissionType,
         /// Why.
         #[source]
         error: DownloadError,
@@ -160,7 +160,7 @@ pub enum Failure {
     #[error("{list}: the vehicle holds something else than was sent (differences: {count}){}", complaint_text(*.complaint))]
     Different {
         /// Which.
-        list: List,
+        list: MissionType,
         /// How many differences.
         count: usize,
         /// Its last answer while it took the items.
@@ -172,7 +172,7 @@ pub enum Failure {
     )]
     NeverConfirmed {
         /// Which.
-        list: List,
+        list: MissionType,
         /// How many differences.
         count: usize,
         /// How often.
@@ -184,7 +184,7 @@ pub enum Failure {
     )]
     ChangedMeanwhile {
         /// Which.
-        list: List,
+        list: MissionType,
         /// How often.
         times: u32,
     },
@@ -195,7 +195,7 @@ pub enum Failure {
     )]
     ChangedBy {
         /// Which list; none for all of them.
-        list: Option<List>,
+        list: Option<MissionType>,
         /// The system id of the other station.
         system: u8,
     },
@@ -206,7 +206,7 @@ pub enum Failure {
     )]
     ChangedWhileRead {
         /// Which list; none for all of them.
-        list: Option<List>,
+        list: Option<MissionType>,
         /// The system id of the other station, if it was heard.
         system: Option<u8>,
     },
@@ -277,17 +277,17 @@ fn heard_text(heard: &[u8]) -> String {
     format!(" (heard on the link: system {})", names.join(", "))
 }
 
-fn list_text(list: Option<List>) -> String {
+fn list_text(list: Option<MissionType>) -> String {
     list.map_or_else(|| "all lists".to_owned(), |list| list.to_string())
 }
 
 /// What helps where a vehicle has less space for a fence than the spec or its autopilot says.
-fn way_out(list: List, error: &UploadError) -> &'static str {
+fn way_out(list: MissionType, error: &UploadError) -> &'static str {
     match error {
         UploadError::Rejected {
             result: MissionResult::NO_SPACE,
             ..
-        } if list == List::Fence => {
+        } if list == MissionType::Fence => {
             ": this vehicle keeps fewer; state how many in fence_points of the vehicle, and plan again"
         }
         _ => "",
@@ -337,7 +337,7 @@ impl TransferReport {
 #[must_use]
 pub fn hash(mission: &[Item], fence: &[Item], rally: &[Item]) -> String {
     let mut sha = Sha256::new();
-    for (list, items) in List::ALL.into_iter().zip([mission, fence, rally]) {
+    for (list, items) in MissionType::ALL.into_iter().zip([mission, fence, rally]) {
         sha.update([list.mission_type()]);
         let count = u32::try_from(items.len()).expect("a list counts its items in 16 bits");
         sha.update(count.to_le_bytes());

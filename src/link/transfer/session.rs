@@ -23,7 +23,7 @@ use super::state_machine::Task;
 use crate::geodesy::LatLon;
 use crate::link::codec::Version;
 use crate::link::message::flight::{Command, FlightMessage};
-use crate::link::message::{Address, Heartbeat, List, Message, MissionResult};
+use crate::link::message::{Address, Heartbeat, Message, MissionResult, MissionType};
 use crate::link::texts::TextChunks;
 use crate::link::time::Time;
 use crate::mission::Item;
@@ -45,7 +45,7 @@ const OLD_MS: u64 = 2500;
 /// Most texts of the vehicle in a report.
 const MAX_TEXTS: usize = 50;
 /// The lists in the order of transfer.
-const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
+const ORDER: [MissionType; 3] = [MissionType::Fence, MissionType::Rally, MissionType::Mission];
 
 /// Progress of a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

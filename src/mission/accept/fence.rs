@@ -1,6 +1,6 @@
 //! Rules for the fence and the rally points.
 
-use super::{AcceptanceProblem, List};
+use super::{AcceptanceProblem, MissionType};
 use crate::autopilot::{Capacity, command, frame};
 use crate::mission::item::{Item, VehicleMission};
 
@@ -8,8 +8,11 @@ use crate::mission::item::{Item, VehicleMission};
 pub(crate) fn problems(mission: &VehicleMission, capacity: Capacity) -> Vec<AcceptanceProblem> {
     let mut found = Vec::new();
     found.extend(AcceptanceProblem::fence_count(mission, capacity.fence));
-    found.extend(count(List::Rally, &mission.rally, capacity.rally));
-    for (list, items) in [(List::Fence, &mission.fence), (List::Rally, &mission.rally)] {
+    found.extend(count(MissionType::Rally, &mission.rally, capacity.rally));
+    for (list, items) in [
+        (MissionType::Fence, &mission.fence),
+        (MissionType::Rally, &mission.rally),
+    ] {
         for (index, item) in items.iter().enumerate() {
             found.extend(place(list, index + 1, item));
         }
@@ -24,17 +27,17 @@ const ITEM_COUNT: &str = "item count";
 impl AcceptanceProblem {
     /// Whether it is that of [`Self::fence_count`].
     pub(crate) fn is_fence_count(&self) -> bool {
-        self.list == List::Fence && self.rule == ITEM_COUNT
+        self.list == MissionType::Fence && self.rule == ITEM_COUNT
     }
 
     /// That a fence has more items than a vehicle keeps.
     pub(crate) fn fence_count(mission: &VehicleMission, capacity: usize) -> Option<Self> {
-        count(List::Fence, &mission.fence, capacity)
+        count(MissionType::Fence, &mission.fence, capacity)
     }
 }
 
 /// That a list has more items than a vehicle keeps.
-fn count(list: List, items: &[Item], capacity: usize) -> Option<AcceptanceProblem> {
+fn count(list: MissionType, items: &[Item], capacity: usize) -> Option<AcceptanceProblem> {
     (items.len() > capacity).then(|| AcceptanceProblem {
         list,
         item: 0,
@@ -45,7 +48,7 @@ fn count(list: List, items: &[Item], capacity: usize) -> Option<AcceptanceProble
 }
 
 /// Checks that the item is at a place on earth, in a frame with latitude and longitude.
-fn place(list: List, number: usize, item: &Item) -> Option<AcceptanceProblem> {
+fn place(list: MissionType, number: usize, item: &Item) -> Option<AcceptanceProblem> {
     let problem = |rule, found: String, allowed: &str| {
         Some(AcceptanceProblem {
             list,
@@ -78,14 +81,15 @@ fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
     let mut index = 0;
     while let Some(item) = fence.get(index) {
         let problem = |rule, found: String, allowed: String| AcceptanceProblem {
-            list: List::Fence,
+            list: MissionType::Fence,
             item: index + 1,
             rule,
             found,
             allowed,
         };
         match item.command {
-            command::FENCE_POLYGON_INCLUSION | command::FENCE_POLYGON_EXCLUSION => {
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION
+            | command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION => {
                 let run = fence[index..]
                     .iter()
                     .take_while(|next| {
@@ -106,7 +110,7 @@ fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
                 }
                 index += corners.unwrap_or(run);
             }
-            command::FENCE_CIRCLE_INCLUSION | command::FENCE_CIRCLE_EXCLUSION => {
+            command::NAV_FENCE_CIRCLE_INCLUSION | command::NAV_FENCE_CIRCLE_EXCLUSION => {
                 let radius_m = item.params[0];
                 if !(radius_m.is_finite() && radius_m > 0.0) {
                     found.push(problem(
@@ -125,12 +129,12 @@ fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
 
 /// Checks that each list has its own commands only.
 fn kinds(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
-    let fence = command::FENCE_RETURN_POINT..=command::FENCE_CIRCLE_EXCLUSION;
-    let rally = command::RALLY_POINT..=command::RALLY_POINT;
+    let fence = command::NAV_FENCE_RETURN_POINT..=command::NAV_FENCE_CIRCLE_EXCLUSION;
+    let rally = command::NAV_RALLY_POINT..=command::NAV_RALLY_POINT;
     let mut found = Vec::new();
     for (list, items, allowed) in [
-        (List::Fence, &mission.fence, fence),
-        (List::Rally, &mission.rally, rally),
+        (MissionType::Fence, &mission.fence, fence),
+        (MissionType::Rally, &mission.rally, rally),
     ] {
         for (index, item) in items.iter().enumerate() {
             if !allowed.contains(&item.command) {

@@ -115,7 +115,7 @@ pub(crate) fn longitude(profile: &Profile, item: &Item) -> Option<Finding> {
 pub(crate) fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
     let acceptance = &profile.facts.acceptance;
     let means_it = |commands: &[u16]| commands.contains(&item.command);
-    let may_be_zero = means_it(acceptance.here) || means_it(acceptance.placeless);
+    let may_be_zero = means_it(acceptance.zero_is_here) || means_it(acceptance.zero_is_no_place);
     let is_zero = (item.x, item.y) == (0, 0);
     (is_zero && profile.has_location(item) && !may_be_zero).then(|| {
         (

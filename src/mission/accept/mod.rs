@@ -19,7 +19,7 @@ use crate::autopilot::{Autopilot, CommandRule, Facts, Version, command_row, fact
 
 /// One of the three lists of items that a vehicle stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum List {
+pub enum MissionType {
     /// The mission proper.
     Mission,
     /// The fence.
@@ -28,7 +28,7 @@ pub enum List {
     Rally,
 }
 
-impl fmt::Display for List {
+impl fmt::Display for MissionType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Mission => "mission",
@@ -42,7 +42,7 @@ impl fmt::Display for List {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AcceptanceProblem {
     /// In which list.
-    pub list: List,
+    pub list: MissionType,
     /// Which item, from 1 (in a mission the row of the `.waypoints` file); 0 for the list as a whole.
     pub item: usize,
     /// The rule, in a few words.
@@ -134,7 +134,7 @@ pub fn problems(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
     for (rule, check) in RULES {
         let mut add = |item, (found_text, allowed): Finding| {
             found.push(AcceptanceProblem {
-                list: List::Mission,
+                list: MissionType::Mission,
                 item,
                 rule,
                 found: found_text,

@@ -1,7 +1,7 @@
 //! The ceiling, the floor and the circle around home that parameters set: a vehicle that comes to them
 //! leaves its mission.
 
-use super::{AcceptanceProblem, Finding, List, Profile};
+use super::{AcceptanceProblem, Finding, MissionType, Profile};
 use crate::autopilot::{self, frame};
 use crate::geodesy::LatLon;
 use crate::mission::item::{Item, VehicleMission};
@@ -39,7 +39,7 @@ impl AcceptanceProblem {
     /// That a vehicle comes to the fence of its parameters on its way to an item.
     pub(crate) fn param_fence(item: usize, (found, allowed): Finding) -> Self {
         Self {
-            list: List::Mission,
+            list: MissionType::Mission,
             item,
             rule: RULE,
             found,

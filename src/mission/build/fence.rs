@@ -67,7 +67,10 @@ pub fn fence_needs(spec: &MissionSpec) -> usize {
 fn boundaries(spec: &MissionSpec) -> Vec<Boundary<'_>> {
     let mut found = vec![Boundary {
         name: "area".to_owned(),
-        items: polygon(command::FENCE_POLYGON_INCLUSION, &spec.area.outline()),
+        items: polygon(
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+            &spec.area.outline(),
+        ),
         outline: Outline::Area,
     }];
     let mut circles = Vec::new();
@@ -82,7 +85,7 @@ fn boundaries(spec: &MissionSpec) -> Vec<Boundary<'_>> {
             Some((center, radius_m)) => circles.push(circle_named(name, center, radius_m)),
             None => found.push(Boundary {
                 name,
-                items: polygon(command::FENCE_POLYGON_EXCLUSION, &zone.polygon),
+                items: polygon(command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION, &zone.polygon),
                 outline: Outline::Polygon(&zone.polygon),
             }),
         }
@@ -212,7 +215,7 @@ fn encoded(shape: &Shape, plane: &Plane) -> Vec<Item> {
         Shape::Circle(center, radius_m) => vec![circle(plane.place(*center), *radius_m)],
         Shape::Polygon(corners) => {
             let corners: Vec<LatLon> = corners.iter().map(|&at| plane.place(at)).collect();
-            polygon(command::FENCE_POLYGON_EXCLUSION, &corners)
+            polygon(command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION, &corners)
         }
     }
 }
@@ -238,7 +241,7 @@ fn circle(center: LatLon, radius_m: f64) -> Item {
         reason = "a radius is float32 on the wire"
     )]
     let radius_m = radius_m as f32;
-    corner(command::FENCE_CIRCLE_EXCLUSION, radius_m, center)
+    corner(command::NAV_FENCE_CIRCLE_EXCLUSION, radius_m, center)
 }
 
 /// Zones that the fence leaves out have a sentence each up to this number.
@@ -288,7 +291,7 @@ pub(crate) fn rally(
         .iter()
         .map(|rally| {
             let amsl = rally.agl.over(world.terrain.height(rally.place)?);
-            let mut item = corner(command::RALLY_POINT, 0.0, rally.place);
+            let mut item = corner(command::NAV_RALLY_POINT, 0.0, rally.place);
             item.frame = frame::GLOBAL_RELATIVE_ALT;
             item.z = up(amsl.above_home(encoder.home_amsl()).0);
             Ok(item)

@@ -8,14 +8,14 @@ pub(super) mod simplify;
 pub(super) mod stops;
 pub(super) mod wing;
 
-use super::accept::List;
+use super::accept::MissionType;
 use super::item::{Item, VehicleMission};
 use super::params::parameters;
 use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
 use crate::path::{TimedPoint, VehicleLimits, route_ends};
 use crate::spec::{AltitudeReference, Autopilot, Finish, MissionSpec, Vehicle};
-use crate::world::{Departure, FixedPoints, Layer, NoData, World};
+use crate::world::{Departure, Layer, NoData, VehicleSites, World};
 use clearance::strictness;
 use encode::{ENCODING_M, Encoder};
 use legs::{Keep, Point};
@@ -72,7 +72,7 @@ pub enum MissionError {
         /// Id.
         vehicle: String,
         /// Which list.
-        list: List,
+        list: MissionType,
         /// Items needed.
         count: usize,
         /// Items allowed.
@@ -103,13 +103,8 @@ pub fn build(
     vehicle: usize,
     routes: &[Vec<TimedPoint>],
 ) -> Result<VehicleMission, MissionError> {
-    let known = spec
-        .vehicles
-        .get(vehicle)
-        .zip(world.fixed_points.get(vehicle));
-    let needed = known.map_or(1, |(vehicle, fixed_points)| {
-        route_ends(vehicle, fixed_points).len()
-    });
+    let known = spec.vehicles.get(vehicle).zip(world.sites.get(vehicle));
+    let needed = known.map_or(1, |(vehicle, sites)| route_ends(vehicle, sites).len());
     build_course(spec, world, vehicle, routes, needed)
 }
 
@@ -128,11 +123,11 @@ pub fn build_course(
         index: vehicle,
         fleet: spec.vehicles.len(),
     };
-    let fixed_points = world.fixed_points.get(vehicle).ok_or_else(no_such)?;
+    let sites = world.sites.get(vehicle).ok_or_else(no_such)?;
     let layer = world.layers.get(vehicle).copied().unwrap_or(Layer::OPEN);
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
-    let (reference, ground) = (spec.mission.altitude, fixed_points.home.amsl);
+    let (reference, ground) = (spec.mission.altitude, sites.home.amsl);
     let encoder = Encoder::new(world, reference, vehicle.home, ground);
     let writer = ItemWriter {
         spec,
@@ -145,14 +140,14 @@ pub fn build_course(
         source,
     };
     let items = if vehicle.airframe.has_wing() {
-        writer.winged_items(fixed_points, routes)
+        writer.winged_items(sites, routes)
     } else {
-        writer.items(fixed_points, routes)
+        writer.items(sites, routes)
     };
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
     let (fence, mut notes) = fenced(spec, vehicle, &items);
-    notes.extend(wing::landing_course_note(vehicle, fixed_points));
+    notes.extend(wing::landing_course_note(vehicle, sites));
     let params = parameters(
         vehicle,
         &spec.mission,
@@ -234,10 +229,10 @@ fn count(
     let (items, fence, rally) = (&mission.items, &mission.fence, &mission.rally);
     let max_items = spec.mission.max_items;
     let too_many = [
-        (List::Mission, items, max_items, "mission.max_items"),
-        (List::Mission, items, allowed.items, storage),
-        (List::Fence, fence, vehicle.fence_capacity(), storage),
-        (List::Rally, rally, allowed.rally, storage),
+        (MissionType::Mission, items, max_items, "mission.max_items"),
+        (MissionType::Mission, items, allowed.items, storage),
+        (MissionType::Fence, fence, vehicle.fence_capacity(), storage),
+        (MissionType::Rally, rally, allowed.rally, storage),
     ]
     .into_iter()
     .find(|(_, items, limit, _)| items.len() > *limit);
@@ -263,11 +258,7 @@ pub(super) struct ItemWriter<'a> {
 }
 
 impl ItemWriter<'_> {
-    fn items(
-        &self,
-        fixed_points: &FixedPoints,
-        routes: &[Vec<TimedPoint>],
-    ) -> Result<Vec<Item>, NoData> {
+    fn items(&self, sites: &VehicleSites, routes: &[Vec<TimedPoint>]) -> Result<Vec<Item>, NoData> {
         let mut legs = routes
             .iter()
             .enumerate()
@@ -278,8 +269,8 @@ impl ItemWriter<'_> {
         let Some((&start, onward)) = out.split_first() else {
             return Ok(self.departure());
         };
-        let mut items = match fixed_points.departure {
-            Departure::Ground => self.takeoff(fixed_points.home, start)?,
+        let mut items = match sites.departure {
+            Departure::Ground => self.takeoff(sites.home, start)?,
             Departure::Airborne { .. } => self.speed().into_iter().collect(),
         };
         items.extend(self.vehicle.on_way.trigger_m.map(stops::trigger));
@@ -319,7 +310,7 @@ impl ItemWriter<'_> {
         items.push(match self.vehicle.finish {
             Finish::Land => self.at(command::NAV_LAND, 0.0, self.encoder.on_ground(last)?)?,
             Finish::Loiter => self.at(command::NAV_LOITER_UNLIM, 0.0, last)?,
-            Finish::Return => self.at(command::NAV_LAND, 0.0, fixed_points.home)?,
+            Finish::Return => self.at(command::NAV_LAND, 0.0, sites.home)?,
         });
         Ok(items)
     }

@@ -8,7 +8,7 @@ use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::item::Item;
 use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
 use crate::spec::{Airframe, Autopilot, Finish, Stop, Vehicle};
-use crate::world::{Departure, FixedPoints, NoData};
+use crate::world::{Departure, NoData, VehicleSites};
 
 /// A route that ends in a circle ends this many radii before its middle: from there the
 /// vehicle flies to the rim.
@@ -50,12 +50,12 @@ impl ItemWriter<'_> {
     /// The items of a plane or vtol.
     pub(crate) fn winged_items(
         &self,
-        fixed_points: &FixedPoints,
+        sites: &VehicleSites,
         routes: &[Vec<TimedPoint>],
     ) -> Result<Vec<Item>, NoData> {
-        let mut list = self.winged_takeoff(fixed_points)?;
+        let mut list = self.winged_takeoff(sites)?;
         list.items.extend(self.speed());
-        let (touchdown, approach) = landing(self.vehicle, fixed_points);
+        let (touchdown, approach) = landing(self.vehicle, sites);
         let radius_m = self.vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
         let circles = self.vehicle.finish == Finish::Loiter;
         let speed_mps = self.vehicle.fastest_mps();
@@ -89,11 +89,7 @@ impl ItemWriter<'_> {
                 chain = Chain::default();
             }
             if let Some(stop) = circled {
-                let point = fixed_points
-                    .stops
-                    .get(index)
-                    .copied()
-                    .unwrap_or(fixed_points.goal);
+                let point = sites.stops.get(index).copied().unwrap_or(sites.goal);
                 list.items.extend(self.circles(stop, point)?);
                 (list.at, list.course_rad, list.leaves_circle) = (point.at, None, true);
             }
@@ -103,7 +99,7 @@ impl ItemWriter<'_> {
             }
         }
         if circles {
-            let item = self.at(command::NAV_LOITER_UNLIM, 0.0, fixed_points.goal)?;
+            let item = self.at(command::NAV_LOITER_UNLIM, 0.0, sites.goal)?;
             list.items.push(with(item, 2, float(radius_m.ceil())));
         } else {
             self.winged_landing(&mut list, touchdown, approach)?;
@@ -112,8 +108,8 @@ impl ItemWriter<'_> {
     }
 
     /// Up, to where the way to the route begins.
-    fn winged_takeoff(&self, fixed_points: &FixedPoints) -> Result<ItemList, NoData> {
-        if let Departure::Airborne { point, .. } = fixed_points.departure {
+    fn winged_takeoff(&self, sites: &VehicleSites) -> Result<ItemList, NoData> {
+        if let Departure::Airborne { point, .. } = sites.departure {
             return Ok(ItemList {
                 items: Vec::new(),
                 at: point.at,
@@ -121,7 +117,7 @@ impl ItemWriter<'_> {
                 leaves_circle: false,
             });
         }
-        let (home, start) = (fixed_points.home, fixed_points.start);
+        let (home, start) = (sites.home, sites.start);
         let course_rad = self.vehicle.wing.and_then(|wing| wing.takeoff_heading_rad);
         if let (Airframe::Plane, Some(course_rad)) = (self.vehicle.airframe, course_rad) {
             let ground = |at| {
@@ -293,8 +289,8 @@ impl ItemWriter<'_> {
 
 /// The course on which a wing lands where the spec leaves it open, in words.
 #[must_use]
-pub fn landing_course_note(vehicle: &Vehicle, fixed_points: &FixedPoints) -> Option<String> {
-    let (wind, course_rad) = (vehicle.approach_wind()?, fixed_points.landing_rad?);
+pub fn landing_course_note(vehicle: &Vehicle, sites: &VehicleSites) -> Option<String> {
+    let (wind, course_rad) = (vehicle.approach_wind()?, sites.landing_rad?);
     let off_deg = (course_rad - wind.from_rad).cos().acos().to_degrees();
     let course_deg = course_rad.to_degrees().round().rem_euclid(360.0);
     Some(match off_deg < 1.0 {

@@ -2,7 +2,7 @@ use super::{flight, route_start_s, time_route};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::spec::fixtures::copter;
 use crate::spec::{Autopilot, Finish, Vehicle};
-use crate::world::{Departure, FixedPoints};
+use crate::world::{Departure, VehicleSites};
 
 fn vehicle(finish: Finish) -> Vehicle {
     Vehicle {
@@ -18,8 +18,8 @@ fn at(east_m: f64, amsl_m: f64) -> PlanPoint {
 }
 
 /// Home at -100 m, start over 0, goal over 1000 m; ground at 100, 120 under the goal.
-fn fixed_points() -> FixedPoints {
-    FixedPoints {
+fn sites() -> VehicleSites {
+    VehicleSites {
         departure: Departure::Ground,
         home: at(-100.0, 100.0),
         start: at(0.0, 180.0),
@@ -37,12 +37,12 @@ fn route() -> Vec<PlanPoint> {
 
 #[test]
 fn a_flight_climbs_goes_to_the_start_flies_the_route_and_lands() {
-    let (vehicle, fixed_points) = (vehicle(Finish::Land), fixed_points());
-    let flight = flight(&vehicle, &fixed_points, &[route()]);
+    let (vehicle, sites) = (vehicle(Finish::Land), sites());
+    let flight = flight(&vehicle, &sites, &[route()]);
     // 80 m up at 4 m/s, 100 m and 1000 m at 10 m/s with one ramp of 5 s each, 70 m down at 2 m/s and 10 m at 0.7 m/s.
     let start_s = 30.0 + 20.0 + 15.0;
     assert!((flight.route_starts_s[0] - start_s).abs() < 1e-9);
-    assert!((route_start_s(&vehicle, &fixed_points) - start_s).abs() < 1e-9);
+    assert!((route_start_s(&vehicle, &sites) - start_s).abs() < 1e-9);
     let last = flight.points.last().unwrap();
     assert!((last.t_s - (start_s + 105.0 + 35.0 + 10.0 / 0.7)).abs() < 1e-9);
     assert!((last.point.amsl.0 - 120.0).abs() < 1e-9);
@@ -60,7 +60,7 @@ fn a_flight_climbs_goes_to_the_start_flies_the_route_and_lands() {
 
 #[test]
 fn between_its_points_a_flight_leaves_the_true_motion_by_no_more_than_a_metre() {
-    let flight = flight(&vehicle(Finish::Land), &fixed_points(), &[route()]);
+    let flight = flight(&vehicle(Finish::Land), &sites(), &[route()]);
     let profile = crate::numeric::SpeedProfile::new(1000.0, 10.0, 2.0);
     for step in 0..=1050 {
         let since_s = f64::from(step) * 0.1;
@@ -72,31 +72,31 @@ fn between_its_points_a_flight_leaves_the_true_motion_by_no_more_than_a_metre() 
 
 #[test]
 fn one_that_loiters_stays_for_ever_and_one_that_returns_lands_at_home() {
-    let fixed_points = fixed_points();
-    let stays = flight(&vehicle(Finish::Loiter), &fixed_points, &[route()]);
+    let sites = sites();
+    let stays = flight(&vehicle(Finish::Loiter), &sites, &[route()]);
     assert!(stays.loiters);
-    assert_eq!(stays.position(1e9).unwrap(), fixed_points.goal);
+    assert_eq!(stays.position(1e9).unwrap(), sites.goal);
     let back = vec![at(1000.0, 200.0), at(-100.0, 250.0)];
-    let returns = flight(&vehicle(Finish::Return), &fixed_points, &[route(), back]);
+    let returns = flight(&vehicle(Finish::Return), &sites, &[route(), back]);
     assert_eq!(returns.route_starts_s.len(), 2);
     let last = returns.points.last().unwrap();
-    assert_eq!(last.point, fixed_points.home);
+    assert_eq!(last.point, sites.home);
     assert!((last.t_s - (65.0 + 105.0 + 115.0 + 70.0 + 10.0 / 0.7)).abs() < 1e-9);
 }
 
 #[test]
 fn one_in_the_air_flies_its_route_from_there_and_then_at_the_speed_it_has() {
-    let (vehicle, mut fixed_points) = (vehicle(Finish::Land), fixed_points());
-    fixed_points.departure = Departure::Airborne {
-        point: fixed_points.start,
+    let (vehicle, mut sites) = (vehicle(Finish::Land), sites());
+    sites.departure = Departure::Airborne {
+        point: sites.start,
         course_rad: std::f64::consts::FRAC_PI_2,
         speed_mps: 10.0,
         at_s: 400.0,
     };
-    let flight = flight(&vehicle, &fixed_points, &[route()]);
+    let flight = flight(&vehicle, &sites, &[route()]);
     assert_eq!(flight.route_starts_s, [400.0]);
-    assert!((route_start_s(&vehicle, &fixed_points) - 400.0).abs() < 1e-9);
-    assert_eq!(flight.points[0].point, fixed_points.start);
+    assert!((route_start_s(&vehicle, &sites) - 400.0).abs() < 1e-9);
+    assert_eq!(flight.points[0].point, sites.start);
     let last = flight.points.last().unwrap();
     assert!((last.t_s - (400.0 + 102.5 + 35.0 + 10.0 / 0.7)).abs() < 1e-9);
 }

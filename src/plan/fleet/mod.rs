@@ -324,7 +324,7 @@ pub fn certify(
     vehicle: usize,
     effort: &Effort<'_>,
 ) -> Vec<RouteBound> {
-    let routes = route_ends(&spec.vehicles[vehicle], &world.fixed_points[vehicle]);
+    let routes = route_ends(&spec.vehicles[vehicle], &world.sites[vehicle]);
     bound::certify((spec, world), vehicle, &routes, effort)
 }
 
@@ -334,9 +334,9 @@ fn with_bounds(
     world: &World,
     plan: impl FnOnce() -> FleetPlan + Send,
 ) -> FleetPlan {
-    let ends = spec.vehicles.iter().zip(&world.fixed_points);
+    let ends = spec.vehicles.iter().zip(&world.sites);
     let routes: Vec<_> = ends
-        .map(|(vehicle, fixed_points)| route_ends(vehicle, fixed_points))
+        .map(|(vehicle, sites)| route_ends(vehicle, sites))
         .collect();
     let (mut plan, bounds) = rayon::join(plan, || proven(spec, world, &routes));
     for (vehicle, bound) in plan.vehicles.iter_mut().zip(bounds) {
@@ -364,7 +364,7 @@ pub(super) fn flight_of(
 ) -> Flight {
     let mut vehicle = spec.vehicles[index].clone();
     plan.apply_to(&mut vehicle);
-    flight(&vehicle, &world.fixed_points[index], &plan.points())
+    flight(&vehicle, &world.sites[index], &plan.points())
 }
 
 /// When a flight is too near to an earlier one, as the objective sees it too.

@@ -63,7 +63,7 @@ impl Planning<'_> {
             routes[number] = before;
             routes[number + 1] = after.into_iter().rev().collect();
         }
-        let mut start_s = route_start_s(vehicle, &self.world.fixed_points[index]);
+        let mut start_s = route_start_s(vehicle, &self.world.sites[index]);
         for (number, (route, points)) in plan.routes.iter_mut().zip(routes).enumerate() {
             if let [first, .., last] = points.as_slice() {
                 let own = vehicle.on_route(number);

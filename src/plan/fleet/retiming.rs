@@ -80,7 +80,7 @@ impl Planning<'_> {
         let is_apart =
             |track: &Track, later_s: f64| !others.is_any_near((track, later_s), &nearness, counts);
         // A vehicle in the air has its times, whatever its departure.
-        let is_airborne = self.world.fixed_points[index].departure.is_airborne();
+        let is_airborne = self.world.sites[index].departure.is_airborne();
         let free = |choice: &Choice| {
             let later_s = choice.depart_s - vehicle.depart_s;
             if !is_airborne && !is_apart(&tracks[choice.speed], later_s) {
@@ -204,7 +204,7 @@ impl Planning<'_> {
         };
         let mut vehicle = self.spec.vehicles[index].clone();
         plan.apply_to(&mut vehicle);
-        let mut start_s = route_start_s(&vehicle, &self.world.fixed_points[index]);
+        let mut start_s = route_start_s(&vehicle, &self.world.sites[index]);
         for (number, route) in plan.routes.iter_mut().enumerate() {
             let points = route.points();
             let (Some(first), Some(last)) = (points.first(), points.last()) else {

@@ -47,7 +47,7 @@ impl<'a> Shaper<'a> {
         let mut spec = spec.clone();
         let vehicle = spec.vehicles.get_mut(index)?;
         vehicle.speed_mps = speed_mps;
-        let ends = route_ends(vehicle, world.fixed_points.get(index)?);
+        let ends = route_ends(vehicle, world.sites.get(index)?);
         if vehicle
             .stops
             .iter()
@@ -146,7 +146,7 @@ impl Planning<'_> {
         control_points: &[Vec<PlanPoint>],
         bases: &[Basis],
     ) -> Vec<Route> {
-        let ends = route_ends(&self.spec.vehicles[index], &self.world.fixed_points[index]);
+        let ends = route_ends(&self.spec.vehicles[index], &self.world.sites[index]);
         let mut plan = self.empty_plan(index, Vec::new());
         let routes = control_points.iter().zip(bases);
         for (number, (ends, (points, basis))) in ends.into_iter().zip(routes).enumerate() {

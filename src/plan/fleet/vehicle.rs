@@ -43,7 +43,7 @@ impl<'a> Planning<'a> {
         estimated: Option<f64>,
     ) -> VehiclePlan {
         let (spec, request) = (self.spec, self.request);
-        let routes = route_ends(&spec.vehicles[index], &self.world.fixed_points[index]);
+        let routes = route_ends(&spec.vehicles[index], &self.world.sites[index]);
         let mut plan = self.empty_plan(index, avoids);
         plan.is_detour = !earlier.is_empty();
         let arrivals = spec.vehicles[index].arrivals(routes.len());
@@ -108,7 +108,7 @@ impl<'a> Planning<'a> {
         old: &VehiclePlan,
         earlier: &EarlierFlights,
     ) -> Option<VehiclePlan> {
-        let routes = route_ends(&self.spec.vehicles[index], &self.world.fixed_points[index]);
+        let routes = route_ends(&self.spec.vehicles[index], &self.world.sites[index]);
         if old.routes.len() != routes.len() {
             return None;
         }
@@ -150,14 +150,14 @@ impl<'a> Planning<'a> {
         plan: &VehiclePlan,
         earlier: &'c EarlierFlights,
     ) -> RouteContext<'c> {
-        let (vehicle, fixed_points) = (&self.spec.vehicles[index], &self.world.fixed_points[index]);
+        let (vehicle, sites) = (&self.spec.vehicles[index], &self.world.sites[index]);
         let start_s = match plan.routes.as_slice() {
             [] => match self.depart_s {
-                None => route_start_s(vehicle, fixed_points),
+                None => route_start_s(vehicle, sites),
                 Some(depart_s) => {
                     let mut vehicle = vehicle.clone();
                     vehicle.depart_s = depart_s;
-                    route_start_s(&vehicle, fixed_points)
+                    route_start_s(&vehicle, sites)
                 }
             },
             [before @ .., last] => last.end_s() + vehicle.rest_after_s(before.len()),
@@ -226,7 +226,7 @@ pub(super) fn route(context: &RouteContext<'_>, spline: &Spline, basis: &Basis) 
     if let Some(last) = points.last_mut() {
         *last = context.ends.to;
     }
-    let departure = context.world.fixed_points[context.index].departure;
+    let departure = context.world.sites[context.index].departure;
     Route {
         control_points: spline.points(),
         path: time_route_from(

@@ -22,7 +22,7 @@ pub fn objective_specs<'a>(
     let own = &spec.vehicles[vehicle];
     let routes = match own.stops.is_empty() {
         true => 1,
-        false => route_ends(own, &world.fixed_points[vehicle]).len(),
+        false => route_ends(own, &world.sites[vehicle]).len(),
     };
     let routes = 0..routes;
     routes
@@ -46,9 +46,9 @@ pub fn objective<'a>(
     earlier: &'a EarlierFlights,
     samples: usize,
 ) -> impl Problem + 'a {
-    let (own, fixed_points) = (&specs[0].vehicles[vehicle], &world.fixed_points[vehicle]);
-    let mut start_s = route_start_s(own, fixed_points);
-    let ends = route_ends(own, fixed_points).into_iter().zip(specs);
+    let (own, sites) = (&specs[0].vehicles[vehicle], &world.sites[vehicle]);
+    let mut start_s = route_start_s(own, sites);
+    let ends = route_ends(own, sites).into_iter().zip(specs);
     let routes = ends.enumerate().map(|(number, ((from, to), spec))| {
         let context = RouteContext {
             world,

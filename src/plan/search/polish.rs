@@ -80,8 +80,8 @@ pub(super) fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
 /// Whether routes that keep all limits are polished.
 pub(super) fn is_for_polish(context: &RouteContext<'_>) -> bool {
     let planner = &context.spec.planner;
-    let fixed_points = &context.world.fixed_points[context.index];
-    let routes = route_ends(context.vehicle(), fixed_points).len();
+    let sites = &context.world.sites[context.index];
+    let routes = route_ends(context.vehicle(), sites).len();
     let is_small = context.spec.vehicles.len() <= FEW_VEHICLES;
     (is_small || planner.evaluations >= MIN_EVALUATIONS * routes)
         && planner.objective == Objective::Operational
@@ -212,7 +212,7 @@ pub(super) fn fits_items(context: &RouteContext<'_>, spline: &Spline) -> bool {
 /// Items that the bends of a route may need: by its share of the way, start to goal and home.
 fn allowed_items(context: &RouteContext<'_>) -> f64 {
     let vehicle = context.vehicle();
-    let routes = route_ends(vehicle, &context.world.fixed_points[context.index]);
+    let routes = route_ends(vehicle, &context.world.sites[context.index]);
     let all_m: f64 = routes.iter().map(|(from, to)| from.distance_m(*to)).sum();
     let share = 1000.0 * context.straight_km() / all_m.max(1.0);
     let most = (context.spec.mission.max_items).min(vehicle.facts().capacity.items);

@@ -12,7 +12,7 @@ use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, StopAction, Vehicle};
 use crate::tasks::{AssignedTask, FleetTasks};
 use crate::verify::{Limit, Margin, Review};
-use crate::world::{FixedPoints, World};
+use crate::world::{VehicleSites, World};
 
 /// The paths of a fleet: `plan.json`. Its vehicles are made one at a time as they are written:
 /// those of a large fleet have hundreds of megabytes.
@@ -79,8 +79,8 @@ impl PlannedVehicles<'_> {
         let (vehicle, planned) = (&spec.vehicles[index], &self.plan.vehicles[index]);
         let own = self.left_out.get(vehicle.id.as_str());
         let mut document = PlannedVehicle {
-            landing_deg: landing_deg(vehicle, world.fixed_points.get(index)),
-            gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
+            landing_deg: landing_deg(vehicle, world.sites.get(index)),
+            retimed_around: ids(spec, planned.retimed_around(vehicle)),
             blocked_by: ids(spec, &planned.blocked_by),
             // The objective judges turns and ground more strictly than the verdict.
             violations: if self.passes {
@@ -166,7 +166,7 @@ pub struct PlannedVehicle {
     /// The earlier vehicles to which it gives way by another departure or speed than that
     /// of the spec.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub gives_way_to: Vec<String>,
+    pub retimed_around: Vec<String>,
     /// The earlier vehicles that kept the search from finding a path within every limit.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub blocked_by: Vec<String>,
@@ -349,9 +349,9 @@ fn violation_entries(
 }
 
 /// The course of a landing that the spec leaves open, degrees.
-fn landing_deg(vehicle: &Vehicle, fixed_points: Option<&FixedPoints>) -> Option<f64> {
+fn landing_deg(vehicle: &Vehicle, sites: Option<&VehicleSites>) -> Option<f64> {
     vehicle.approach_wind()?;
-    rounded(fixed_points?.landing_rad?.to_degrees(), METRE_DIGITS)
+    rounded(sites?.landing_rad?.to_degrees(), METRE_DIGITS)
 }
 
 /// The ids of vehicles.
@@ -389,7 +389,7 @@ fn planned_vehicle(
         depart_s: planned.depart_s,
         speed_mps: planned.speed_mps,
         landing_deg: None,
-        gives_way_to: Vec::new(),
+        retimed_around: Vec::new(),
         blocked_by: Vec::new(),
         cost: cost(&planned.terms),
         bound: finite(planned.bound),

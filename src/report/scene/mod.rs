@@ -301,10 +301,10 @@ fn bounds(spec: &MissionSpec, world: &World, vehicles: &[VehicleShape]) -> Bound
     let mut bounds = area;
     for vehicle in vehicles {
         let corners = [vehicle.home, vehicle.start, vehicle.goal];
-        let fixed_points = corners.map(|[e, n, _]| (e, n));
+        let sites = corners.map(|[e, n, _]| (e, n));
         let track = &vehicle.track;
         let flown = track.e.iter().zip(&track.n).map(|(e, n)| (*e, *n));
-        for (east_m, north_m) in flown.chain(fixed_points) {
+        for (east_m, north_m) in flown.chain(sites) {
             bounds.include(most.clamp(EastNorth { east_m, north_m }));
         }
     }
@@ -335,17 +335,17 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
     let mission = input.missions.iter().find(|(of, _)| *of == index);
     let waypoints = mission.map_or_else(Vec::new, |(_, mission)| waypoints(mission, world));
     let too_many = waypoints.len() > share(MAX_WAYPOINTS, 0);
-    let fixed_points = world.fixed_points.get(index);
-    let fixed = |pick: fn(&crate::world::FixedPoints) -> PlanPoint| {
-        fixed_points.map_or([0.0; 3], |fixed_points| point(pick(fixed_points)))
+    let sites = world.sites.get(index);
+    let fixed = |pick: fn(&crate::world::VehicleSites) -> PlanPoint| {
+        sites.map_or([0.0; 3], |sites| point(pick(sites)))
     };
     VehicleShape {
         id: vehicle.id.clone(),
-        home: fixed(|fixed_points| fixed_points.home),
-        start: fixed(|fixed_points| fixed_points.start),
-        goal: fixed(|fixed_points| fixed_points.goal),
-        stops: fixed_points.map_or_else(Vec::new, |fixed_points| {
-            let stops = vehicle.stops.iter().zip(&fixed_points.stops);
+        home: fixed(|sites| sites.home),
+        start: fixed(|sites| sites.start),
+        goal: fixed(|sites| sites.goal),
+        stops: sites.map_or_else(Vec::new, |sites| {
+            let stops = vehicle.stops.iter().zip(&sites.stops);
             let visited = stops.filter(|(stop, _)| !matches!(stop.arrives, Arrival::OnLine(_)));
             let shape = |(stop, at): (&Stop, &PlanPoint)| StopShape {
                 at: point(*at),

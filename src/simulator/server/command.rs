@@ -1,7 +1,7 @@
 //! Commands: arming, modes, the mission's start, messages and parameters on request.
 
 use super::{POSITION_MS, Transfer, Vehicle};
-use crate::link::{Address, Command, CommandResult, FlightMessage, List, Message, Time};
+use crate::link::{Address, Command, CommandResult, FlightMessage, Message, MissionType, Time};
 use crate::simulator::mode::Mode;
 use crate::simulator::profile::Profile;
 
@@ -86,27 +86,27 @@ impl Vehicle {
             _ => {}
         }
         match order.command {
-            Command::ARM_DISARM => self.arm_or_disarm(now, order.params[0] > 0.5),
-            Command::SET_MODE => match self.mode_of(order.params) {
+            Command::COMPONENT_ARM_DISARM => self.arm_or_disarm(now, order.params[0] > 0.5),
+            Command::DO_SET_MODE => match self.mode_of(order.params) {
                 Some(custom_mode) => accepted(self.set_mode(custom_mode)),
                 None => CommandResult::DENIED,
             },
             Command::MISSION_START if !self.is_armed() => CommandResult::FAILED,
             Command::MISSION_START => {
-                let items = self.items(List::Mission).to_vec();
+                let items = self.items(MissionType::Mission).to_vec();
                 let begun = self.pilot.as_mut().map(|pilot| pilot.start_mission(&items));
                 accepted(begun.unwrap_or(false))
             }
             // PX4 has the message alone.
-            Command::SET_MISSION_CURRENT if self.profile != Profile::Px4 => {
+            Command::DO_SET_MISSION_CURRENT if self.profile != Profile::Px4 => {
                 let seq = whole(order.params[0]);
                 let is_done = seq.is_some_and(|seq| self.set_current(seq));
                 self.tell_current();
                 accepted(is_done)
             }
-            Command::LOITER => accepted(self.set_named(Mode::Hold)),
-            Command::LAND => accepted(self.set_named(Mode::Land)),
-            Command::RETURN => accepted(self.set_named(Mode::Return)),
+            Command::NAV_LOITER_UNLIM => accepted(self.set_named(Mode::Hold)),
+            Command::NAV_LAND => accepted(self.set_named(Mode::Land)),
+            Command::NAV_RETURN_TO_LAUNCH => accepted(self.set_named(Mode::Return)),
             _ => CommandResult::UNSUPPORTED,
         }
     }
@@ -148,7 +148,8 @@ impl Vehicle {
     }
 
     fn set_mode(&mut self, custom_mode: u32) -> bool {
-        let [items, rally] = [List::Mission, List::Rally].map(|list| self.items(list).to_vec());
+        let [items, rally] =
+            [MissionType::Mission, MissionType::Rally].map(|list| self.items(list).to_vec());
         let pilot = self.pilot.as_mut();
         pilot.is_some_and(|pilot| {
             pilot.set_rally(&rally);
@@ -163,7 +164,7 @@ impl Vehicle {
     /// ArduPilot counts home as 0.
     fn set_current(&mut self, seq: u16) -> bool {
         let first = u16::from(self.profile == Profile::ArduPilot);
-        let items = self.items(List::Mission).to_vec();
+        let items = self.items(MissionType::Mission).to_vec();
         let index = seq.checked_sub(first).map(usize::from);
         match (&mut self.pilot, index) {
             (Some(pilot), Some(index)) => pilot.set_current(index, &items),

@@ -1,12 +1,12 @@
 //! Items go out, and lists are cleared.
 
 use super::{Transfer, Vehicle};
-use crate::link::{Address, Body, List, MISSION_TYPE_ALL, MissionResult, Time};
+use crate::link::{Address, Body, MISSION_TYPE_ALL, MissionResult, MissionType, Time};
 use crate::mission::{Home, Item, command, frame};
 use crate::simulator::profile::Profile;
 
 impl Vehicle {
-    pub(crate) fn request_list(&mut self, now: Time, from: Address, list: List) {
+    pub(crate) fn request_list(&mut self, now: Time, from: Address, list: MissionType) {
         if matches!(self.transfer, Transfer::Receiving { .. }) {
             match self.profile {
                 Profile::ArduPilot => self.acknowledge(from, list, MissionResult::DENIED),
@@ -32,7 +32,7 @@ impl Vehicle {
         &mut self,
         now: Time,
         from: Address,
-        list: List,
+        list: MissionType,
         seq: u16,
         integer: bool,
     ) {
@@ -63,7 +63,7 @@ impl Vehicle {
         let Some(item) = self.row(list, seq) else {
             return self.acknowledge(from, list, MissionResult::ERROR);
         };
-        let current = u8::from(list == List::Mission && seq == 0);
+        let current = u8::from(list == MissionType::Mission && seq == 0);
         let body = if integer {
             Body::ItemInt { seq, current, item }
         } else {
@@ -73,9 +73,9 @@ impl Vehicle {
     }
 
     /// One stored row as it is given out: ArduPilot's first is always its own home.
-    fn row(&self, list: List, seq: u16) -> Option<Item> {
+    fn row(&self, list: MissionType, seq: u16) -> Option<Item> {
         let row = *self.rows(list).get(usize::from(seq))?;
-        if (self.profile, list, seq) != (Profile::ArduPilot, List::Mission, 0) {
+        if (self.profile, list, seq) != (Profile::ArduPilot, MissionType::Mission, 0) {
             return Some(row);
         }
         let home = self.home.unwrap_or(Home {
@@ -94,7 +94,12 @@ impl Vehicle {
         })
     }
 
-    pub(crate) fn acknowledged(&mut self, from: Address, about: List, result: MissionResult) {
+    pub(crate) fn acknowledged(
+        &mut self,
+        from: Address,
+        about: MissionType,
+        result: MissionResult,
+    ) {
         match self.transfer {
             Transfer::Giving { partner, list, .. } if partner == from && list == about => {
                 self.transfer = Transfer::Idle;
@@ -110,7 +115,7 @@ impl Vehicle {
         }
     }
 
-    pub(crate) fn clear(&mut self, from: Address, list: List) {
+    pub(crate) fn clear(&mut self, from: Address, list: MissionType) {
         match (self.profile, &self.transfer) {
             (Profile::ArduPilot, Transfer::Receiving { .. }) => {
                 return self.acknowledge(from, list, MissionResult::ERROR);
@@ -121,11 +126,14 @@ impl Vehicle {
             (Profile::Generic, Transfer::Receiving { .. }) => return,
             _ => {}
         }
-        if self.profile == Profile::ArduPilot && list == List::Mission && self.is_flying_mission() {
+        if self.profile == Profile::ArduPilot
+            && list == MissionType::Mission
+            && self.is_flying_mission()
+        {
             return self.acknowledge(from, list, MissionResult::ERROR);
         }
         self.lists.insert(list, Vec::new());
-        if list == List::Mission {
+        if list == MissionType::Mission {
             self.mission_replaced();
         }
         self.acknowledge(from, list, MissionResult::ACCEPTED);

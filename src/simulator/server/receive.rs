@@ -1,7 +1,7 @@
 //! Items come in: `MISSION_COUNT`, requests, items, `MISSION_ACK`.
 
 use super::{Transfer, Vehicle};
-use crate::link::{Address, Body, List, MissionResult, Time, stored_form};
+use crate::link::{Address, Body, MissionResult, MissionType, Time, stored_form};
 use crate::mission::Item;
 use crate::simulator::profile::Profile;
 use crate::simulator::rules;
@@ -28,7 +28,7 @@ impl Vehicle {
         self.say(partner, list.mission_type(), body);
     }
 
-    pub(crate) fn give_up(&mut self, partner: Address, list: List) {
+    pub(crate) fn give_up(&mut self, partner: Address, list: MissionType) {
         self.transfer = Transfer::Idle;
         match self.profile {
             Profile::ArduPilot => {
@@ -40,7 +40,7 @@ impl Vehicle {
         }
     }
 
-    pub(crate) fn count(&mut self, now: Time, from: Address, list: List, count: u16) {
+    pub(crate) fn count(&mut self, now: Time, from: Address, list: MissionType, count: u16) {
         let busy_with = match self.transfer {
             Transfer::Idle => None,
             Transfer::Receiving { partner, next, .. } => Some((partner, next)),
@@ -61,12 +61,12 @@ impl Vehicle {
             (Profile::ArduPilot, Some(_)) | (_, None) => {}
         }
         let is_starting = self.profile == Profile::ArduPilot && self.is_booting(now);
-        let stated = self.fence_points.filter(|_| list == List::Fence);
+        let stated = self.fence_points.filter(|_| list == MissionType::Fence);
         let capacity = stated.unwrap_or_else(|| self.profile.capacity(list, self.airframe));
         if usize::from(count) > capacity || is_starting {
             return self.acknowledge(from, list, MissionResult::NO_SPACE);
         }
-        if let (Profile::ArduPilot, List::Mission, Some(rows)) =
+        if let (Profile::ArduPilot, MissionType::Mission, Some(rows)) =
             (self.profile, list, self.lists.get_mut(&list))
         {
             rows.truncate(usize::from(count));
@@ -88,7 +88,14 @@ impl Vehicle {
         }
     }
 
-    pub(crate) fn item(&mut self, now: Time, from: Address, list: List, seq: u16, item: Item) {
+    pub(crate) fn item(
+        &mut self,
+        now: Time,
+        from: Address,
+        list: MissionType,
+        seq: u16,
+        item: Item,
+    ) {
         let Transfer::Receiving {
             partner,
             list: expected_list,
@@ -138,7 +145,7 @@ impl Vehicle {
     }
 
     /// Takes the item that was asked for.
-    fn store(&mut self, now: Time, list: List, seq: u16, item: Item) {
+    fn store(&mut self, now: Time, list: MissionType, seq: u16, item: Item) {
         let item = match self.profile.known() {
             Some(autopilot) => stored_form(autopilot, self.airframe, list, &item),
             None => item,
@@ -154,7 +161,7 @@ impl Vehicle {
         };
         (*next, *heard) = (seq + 1, now);
         match (self.profile, list, self.lists.get_mut(&list)) {
-            (Profile::ArduPilot, List::Mission, Some(rows)) => {
+            (Profile::ArduPilot, MissionType::Mission, Some(rows)) => {
                 match rows.get_mut(usize::from(seq)) {
                     Some(row) => *row = item,
                     None => rows.push(item),
@@ -176,16 +183,16 @@ impl Vehicle {
         else {
             return;
         };
-        if !(self.profile == Profile::ArduPilot && list == List::Mission) {
+        if !(self.profile == Profile::ArduPilot && list == MissionType::Mission) {
             if self.profile == Profile::ArduPilot
-                && list == List::Fence
+                && list == MissionType::Fence
                 && !rules::fence_is_consistent(&staged)
             {
                 return self.acknowledge(partner, list, MissionResult::ERROR);
             }
             self.lists.insert(list, staged);
         }
-        if list == List::Mission {
+        if list == MissionType::Mission {
             self.mission_replaced();
             if self.is_flying_mission() {
                 self.tell_current();
@@ -196,7 +203,7 @@ impl Vehicle {
     }
 
     /// An item while none is expected: ArduPilot complains, PX4 confirms its last one again.
-    fn uninvited(&mut self, from: Address, list: List, seq: u16) {
+    fn uninvited(&mut self, from: Address, list: MissionType, seq: u16) {
         match self.profile {
             Profile::ArduPilot => self.acknowledge(from, list, MissionResult::ERROR),
             Profile::Px4 if self.last == Some((from, list, seq)) => {

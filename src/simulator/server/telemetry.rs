@@ -2,8 +2,8 @@
 
 use super::{HEALTH_MS, HEARTBEAT_MS, STATE_BOOT, Vehicle};
 use crate::link::{
-    FlightMessage, Heartbeat, List, MODE_ARMED, Message, Position, STATE_ACTIVE, STATE_STANDBY,
-    Time,
+    FlightMessage, Heartbeat, MODE_ARMED, Message, MissionType, Position, STATE_ACTIVE,
+    STATE_STANDBY, Time,
 };
 use crate::simulator::mode::Mode;
 use crate::simulator::pilot::Event;
@@ -73,7 +73,7 @@ impl Vehicle {
     }
 
     pub(crate) fn tell_current(&mut self) {
-        let total = u16::try_from(self.items(List::Mission).len()).unwrap_or(u16::MAX);
+        let total = u16::try_from(self.items(MissionType::Mission).len()).unwrap_or(u16::MAX);
         let at = self.pilot.as_ref().map_or(0, |pilot| pilot.at());
         let seq = match self.pilot {
             Some(_) => self.seq(at),
@@ -82,7 +82,7 @@ impl Vehicle {
         self.outbox.push_back(Message::MissionCurrent {
             seq,
             total,
-            opaque_ids: List::ALL.map(|list| self.opaque_id(list)),
+            opaque_ids: MissionType::ALL.map(|list| self.opaque_id(list)),
         });
     }
 
@@ -198,7 +198,7 @@ impl Vehicle {
         }
     }
 
-    pub(crate) fn opaque_id(&self, list: List) -> u32 {
+    pub(crate) fn opaque_id(&self, list: MissionType) -> u32 {
         match self.profile {
             Profile::Px4 => rules::opaque_id(self.rows(list)),
             Profile::ArduPilot | Profile::Generic => 0,

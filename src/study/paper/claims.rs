@@ -4,11 +4,11 @@
 use super::contestants::Contestant;
 use super::convergence::Curve;
 use super::published::{PUBLISHED, Published};
-use super::results::{READINGS, Results};
+use super::results::{INTERPRETATIONS, Results};
 use crate::study::document::{Table, yes_no};
 use crate::study::stats::Summary;
 
-/// Indices in the seven, of [`PUBLISHED`] and of [`Results::seven`] alike.
+/// Indices in the seven, of [`PUBLISHED`] and of [`Results::contestants`] alike.
 const MSFOA: usize = 0;
 const ABC: usize = 4;
 const MFOA: usize = 6;
@@ -16,7 +16,7 @@ const MFOA: usize = 6;
 /// One reading of MSFOA on a map that stands for one of the paper's scenarios.
 struct Case<'a> {
     results: &'a Results<'a>,
-    seven: Vec<&'a Contestant>,
+    contestants: Vec<&'a Contestant>,
     map: &'a str,
     scenario: usize,
 }
@@ -62,14 +62,14 @@ pub(super) fn claims(results: &Results<'_>) -> Table {
         "claim | reading | paper | measured | holds",
     );
     for (claim, judge) in CLAIMS {
-        for reading in READINGS {
+        for reading in INTERPRETATIONS {
             let Some(msfoa) = results.find(reading.0, reading.1) else {
                 continue;
             };
             let cases = results.maps.iter().filter_map(|map| {
                 Some(Case {
                     results,
-                    seven: results.seven(reading),
+                    contestants: results.contestants(reading),
                     map,
                     scenario: results.scenario(map)?,
                 })
@@ -94,7 +94,7 @@ pub(super) fn claims(results: &Results<'_>) -> Table {
 impl Case<'_> {
     /// A statistic of the seven; `None` unless all have runs.
     fn measured(&self, value: fn(&Summary) -> f64) -> Option<Vec<f64>> {
-        let all = self.seven.iter();
+        let all = self.contestants.iter();
         let all = all.map(|one| self.results.summary(one, self.map).map(|of| value(&of)));
         all.collect()
     }
@@ -106,7 +106,7 @@ impl Case<'_> {
     }
 
     fn curve(&self, one: usize) -> Curve<'_> {
-        Curve::new(self.results, self.seven[one], self.map)
+        Curve::new(self.results, self.contestants[one], self.map)
     }
 }
 
@@ -177,7 +177,7 @@ fn highest(case: &Case<'_>) -> Option<Judged> {
 /// in its second; it does not say for the third.
 fn unsafe_best(case: &Case<'_>) -> Option<Judged> {
     let paper = *["none", "DE, IFFO"].get(case.scenario)?;
-    let rows = PUBLISHED.iter().zip(&case.seven);
+    let rows = PUBLISHED.iter().zip(&case.contestants);
     let names: Vec<&str> = rows
         .filter(|(_, one)| {
             case.results

@@ -61,7 +61,7 @@ pub enum Role {
     /// MSFOA without one of its parts, or with another threshold.
     Ablation,
     /// Another reading of what the paper leaves open.
-    Reading,
+    Interpretation,
 }
 
 impl Contestant {
@@ -82,7 +82,7 @@ impl Contestant {
     pub fn runs(&self, runs: usize) -> usize {
         match self.role {
             Role::Paper => runs,
-            Role::Own | Role::Ablation | Role::Reading => runs.div_ceil(4),
+            Role::Own | Role::Ablation | Role::Interpretation => runs.div_ceil(4),
         }
     }
 
@@ -234,7 +234,7 @@ pub fn readings(population: usize) -> Vec<Contestant> {
             Contestant::new(
                 format!("{step_name}-{name}"),
                 label,
-                Role::Reading,
+                Role::Interpretation,
                 algorithm,
             )
         })
@@ -264,7 +264,7 @@ pub fn readings(population: usize) -> Vec<Contestant> {
             Algorithm::De(de),
         ),
     ] {
-        all.push(Contestant::new(name, label, Role::Reading, of));
+        all.push(Contestant::new(name, label, Role::Interpretation, of));
     }
     all
 }

@@ -1,7 +1,7 @@
 //! Figures 5 to 7: the best cost over the budget, averaged over the runs.
 
 use super::contestants::Contestant;
-use super::results::{READINGS, Reading, Results};
+use super::results::{INTERPRETATIONS, Interpretation, Results};
 use crate::numeric::as_f64;
 use crate::study::draw::{COLOURS, Drawing, Plot};
 use crate::study::stats::Summary;
@@ -47,9 +47,9 @@ pub(super) fn convergence(results: &Results<'_>, map: &str) -> String {
     let mut drawing = Drawing::new(1120.0, 440.0);
     let config = results.config;
     let sides = [
-        (&READINGS[..2], "iterations", config.iterations),
+        (&INTERPRETATIONS[..2], "iterations", config.iterations),
         (
-            &READINGS[2..],
+            &INTERPRETATIONS[2..],
             "evaluations for each vehicle",
             config.population * config.iterations,
         ),
@@ -81,12 +81,12 @@ pub(super) fn convergence(results: &Results<'_>, map: &str) -> String {
 }
 
 /// The readings of MSFOA, and the six others.
-fn curves<'a>(results: &'a Results<'_>, readings: &[Reading], map: &str) -> Vec<Curve<'a>> {
+fn curves<'a>(results: &'a Results<'_>, readings: &[Interpretation], map: &str) -> Vec<Curve<'a>> {
     let msfoa = readings
         .iter()
         .filter_map(|(name, protocol)| results.find(name, *protocol));
     msfoa
-        .chain(results.seven(readings[0]).into_iter().skip(1))
+        .chain(results.contestants(readings[0]).into_iter().skip(1))
         .map(|contestant| Curve::new(results, contestant, map))
         .collect()
 }

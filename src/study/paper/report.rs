@@ -6,7 +6,7 @@ use super::claims::claims;
 use super::config::Config;
 use super::contestants::{Contestant, Protocol, Role};
 use super::published::{Published, of_contestant};
-use super::results::{READINGS, Reading, Results};
+use super::results::{INTERPRETATIONS, Interpretation, Results};
 use super::shipped_maps;
 use crate::cost::CostTerms;
 use crate::numeric::as_f64;
@@ -23,11 +23,13 @@ pub(super) fn document(results: &Results<'_>) -> Document {
     for map in maps {
         sections.push((map.clone(), vec![best(results, map), spread(results, map)]));
     }
-    let tests = READINGS.iter().map(|reading| tests(results, *reading));
+    let tests = INTERPRETATIONS
+        .iter()
+        .map(|reading| tests(results, *reading));
     sections.push(("Tests".to_owned(), tests.collect()));
     for (role, name) in [
         (Role::Ablation, "Parts of MSFOA taken away"),
-        (Role::Reading, "Other readings of the paper"),
+        (Role::Interpretation, "Other readings of the paper"),
     ] {
         if results.contestants.iter().any(|one| one.role == role) {
             sections.push((name.to_owned(), vec![variations(results, role)]));
@@ -227,7 +229,7 @@ fn broken_limits(results: &Results<'_>, contestant: &Contestant, map: &str) -> S
 }
 
 /// Ratios to one reading of MSFOA, rank-sum tests and Friedman's ranks.
-fn tests(results: &Results<'_>, reading: Reading) -> Table {
+fn tests(results: &Results<'_>, reading: Interpretation) -> Table {
     let msfoa = results.find(reading.0, reading.1);
     let title = msfoa.map_or_else(String::new, Contestant::title);
     let (ranks, p) = results.friedman(reading).unwrap_or_default();
@@ -242,7 +244,7 @@ fn tests(results: &Results<'_>, reading: Reading) -> Table {
         let (row, index) = published(results, of, map)?;
         Some(row.spread(index)[1])
     };
-    for (one, rank) in results.seven(reading).into_iter().zip(ranks) {
+    for (one, rank) in results.contestants(reading).into_iter().zip(ranks) {
         let Some(msfoa) = msfoa else { continue };
         let ratios = results.ratios(one, msfoa);
         let maps = results.maps.iter();
@@ -298,7 +300,7 @@ fn variations(results: &Results<'_>, role: Role) -> Table {
         }
     }
     if role == Role::Ablation {
-        let [(literal, iterations), _, (_, evaluations), (dwindle, _)] = READINGS;
+        let [(literal, iterations), _, (_, evaluations), (dwindle, _)] = INTERPRETATIONS;
         for (one, whole) in [
             ((literal, evaluations), (dwindle, evaluations)),
             (("literal-no-offspring", evaluations), (literal, iterations)),

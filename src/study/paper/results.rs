@@ -20,10 +20,10 @@ pub struct Results<'a> {
 }
 
 /// A contestant by name and protocol.
-pub(super) type Reading = (&'static str, Protocol);
+pub(super) type Interpretation = (&'static str, Protocol);
 
 /// The readings of the paper's MSFOA.
-pub(super) const READINGS: [Reading; 4] = [
+pub(super) const INTERPRETATIONS: [Interpretation; 4] = [
     ("msfoa-literal", Protocol::Iterations),
     ("msfoa-dwindle", Protocol::Iterations),
     ("msfoa-literal", Protocol::Evaluations),
@@ -111,7 +111,7 @@ impl<'a> Results<'a> {
     }
 
     /// One reading of MSFOA and the six others.
-    pub(super) fn seven(&self, reading: Reading) -> Vec<&Contestant> {
+    pub(super) fn contestants(&self, reading: Interpretation) -> Vec<&Contestant> {
         let others = OTHERS.map(|name| (name, Protocol::Evaluations));
         std::iter::once(reading)
             .chain(others)
@@ -125,11 +125,14 @@ impl<'a> Results<'a> {
     }
 
     /// Friedman's mean ranks of the seven, blocks being run numbers on maps, and p.
-    pub(super) fn friedman(&self, reading: Reading) -> Option<(Vec<f64>, f64)> {
-        let seven = self.seven(reading);
+    pub(super) fn friedman(&self, reading: Interpretation) -> Option<(Vec<f64>, f64)> {
+        let contestants = self.contestants(reading);
         let mut rows = Vec::new();
         for map in &self.maps {
-            let columns: Vec<Vec<f64>> = seven.iter().map(|one| self.totals(one, map)).collect();
+            let columns: Vec<Vec<f64>> = contestants
+                .iter()
+                .map(|one| self.totals(one, map))
+                .collect();
             for run in 0..self.config.runs {
                 rows.push(
                     columns
@@ -186,7 +189,7 @@ impl<'a> Results<'a> {
         let mut text = "scenario,algorithm,protocol,runs,best,average,median,deviation,worst,\
                         fine_average,safe,unsafe"
             .to_owned();
-        for (name, protocol) in READINGS {
+        for (name, protocol) in INTERPRETATIONS {
             let _ = write!(text, ",p_{name}_{}", protocol.name());
         }
         text.push('\n');
@@ -212,7 +215,7 @@ impl<'a> Results<'a> {
                 of.worst,
                 runs - safe
             );
-            for (name, protocol) in READINGS {
+            for (name, protocol) in INTERPRETATIONS {
                 let p = self
                     .find(name, protocol)
                     .filter(|reading| *reading != contestant)

@@ -143,8 +143,8 @@ impl Arena {
         let (mut spec, mut world) = (setting.spec, setting.world);
         // The objective reads the ground from a grid, which may lie a little above the surface
         // under starts and goals.
-        for fixed_points in &mut world.fixed_points {
-            for end in [&mut fixed_points.start, &mut fixed_points.goal] {
+        for sites in &mut world.sites {
+            for end in [&mut sites.start, &mut sites.goal] {
                 let min_m = world.ground.height_m(end.at) + world.min_agl.0 + 1e-3;
                 end.amsl.0 = end.amsl.0.max(min_m);
             }

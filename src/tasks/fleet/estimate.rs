@@ -160,7 +160,7 @@ impl Assigner<'_> {
     fn begins(&self, vehicle: usize) -> (u64, u64) {
         let own = &self.spec.vehicles[vehicle];
         let (planned_s, takeoff_s) = (
-            route_start_s(own, &self.world.fixed_points[vehicle]),
+            route_start_s(own, &self.world.sites[vehicle]),
             takeoff_lateness_s(own),
         );
         let early_s = (planned_s + takeoff_s.least).max(0.0);
@@ -172,22 +172,19 @@ impl Assigner<'_> {
 
     /// What takeoff, landing and return use, as parts of what a vehicle may use.
     pub(super) fn overhead(&self, vehicle: usize) -> f64 {
-        let (own, fixed_points) = (
-            &self.spec.vehicles[vehicle],
-            &self.world.fixed_points[vehicle],
-        );
+        let (own, sites) = (&self.spec.vehicles[vehicle], &self.world.sites[vehicle]);
         let stops: Vec<Stop> = Vec::new();
-        let (own, mut fixed_points) = (
+        let (own, mut sites) = (
             Vehicle {
                 stops,
                 ..own.clone()
             },
-            fixed_points.clone(),
+            sites.clone(),
         );
-        fixed_points.stops.clear();
-        let ends = route_ends(&own, &fixed_points);
+        sites.stops.clear();
+        let ends = route_ends(&own, &sites);
         let routes: Vec<Vec<PlanPoint>> = ends.iter().map(|ends| vec![ends.0, ends.1]).collect();
-        let flown = flight(&own, &fixed_points, &routes);
+        let flown = flight(&own, &sites, &routes);
         let used = |pair: &[TimedPoint]| {
             let duration_s = pair[1].t_s - pair[0].t_s;
             match duration_s.is_finite() {
@@ -198,10 +195,10 @@ impl Assigner<'_> {
         let moving = flown.points.windows(2);
         let moving = moving.skip_while(|pair| pair[0].point == pair[1].point);
         let whole: f64 = moving.map(used).sum();
-        let straight = (fixed_points.start, fixed_points.goal);
+        let straight = (sites.start, sites.goal);
         let straight_m = straight.0.distance_m(straight.1);
         let route = self.used(vehicle, duration_s(&own, straight, straight_m), straight);
-        let takeoff_s = longer_for_takeoff_s(&own, fixed_points.departure);
+        let takeoff_s = longer_for_takeoff_s(&own, sites.departure);
         (whole - route).max(0.0) + self.used_late(&own, takeoff_s)
     }
 }

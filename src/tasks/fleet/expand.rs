@@ -77,8 +77,7 @@ impl Assigner<'_> {
             let Some(unit) = self.units.get(first) else {
                 let own = &self.spec.vehicles[vehicle];
                 made.stops.push(own.stops[position].clone());
-                made.points
-                    .push(self.world.fixed_points[vehicle].stops[position]);
+                made.points.push(self.world.sites[vehicle].stops[position]);
                 continue;
             };
             if unit.line.is_some() {
@@ -104,7 +103,7 @@ impl Assigner<'_> {
         self.lift(&mut made, vehicle);
         let own = &mut tasks.spec.vehicles[vehicle];
         (own.stops, own.order) = (made.stops, Order::Fixed);
-        tasks.world.fixed_points[vehicle].stops = made.points;
+        tasks.world.sites[vehicle].stops = made.points;
     }
 
     /// Notes who does a task, or a line of one.

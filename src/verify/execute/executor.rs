@@ -16,7 +16,7 @@ use crate::mission::{
     cruise_speed_mps, frame, jerk_mps3, within_speeds_mps,
 };
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
-use crate::world::{Departure, FixedPoints, LowPlace, World};
+use crate::world::{Departure, LowPlace, VehicleSites, World};
 
 use super::bent_map;
 use super::decode::{self, After, Orders, Step, Unknown};
@@ -54,7 +54,7 @@ pub(crate) fn fly(
     mission: &VehicleMission,
     spec: &MissionSpec,
     world: &World,
-    fixed_points: &FixedPoints,
+    sites: &VehicleSites,
     home: PlanPoint,
 ) -> Flight {
     let orders = decode::decode(mission, home.amsl);
@@ -65,9 +65,9 @@ pub(crate) fn fly(
         rotors,
         world,
         trajectory: TrajectoryBuilder::new(world, home.at, posts_m(mission)),
-        fixed_points,
+        sites,
         tolerance_m: spec.mission.tolerance_m,
-        drops: world.drops(spec, vehicle, fixed_points),
+        drops: world.drops(spec, vehicle, sites),
         flight: Flight::default(),
         home,
         airborne: false,
@@ -124,7 +124,7 @@ pub(crate) struct Pilot<'a> {
     pub(crate) rotors: &'a Vehicle,
     pub(crate) world: &'a World,
     pub(crate) trajectory: TrajectoryBuilder<'a>,
-    pub(crate) fixed_points: &'a FixedPoints,
+    pub(crate) sites: &'a VehicleSites,
     tolerance_m: f64,
     /// Where it may come below the least height above ground.
     drops: Vec<LowPlace>,
@@ -184,7 +184,7 @@ fn disarms_after(mission: &VehicleMission, waits_s: f64) -> Option<String> {
 impl Pilot<'_> {
     /// Begins in the air, if it is there.
     fn depart(&mut self, mission: &VehicleMission) {
-        if let Departure::Airborne { point, at_s, .. } = self.fixed_points.departure {
+        if let Departure::Airborne { point, at_s, .. } = self.sites.departure {
             self.airborne = true;
             self.phase = Phase::Route;
             self.trajectory.t_s = at_s;

@@ -5,7 +5,7 @@ use crate::numeric::digits;
 use crate::path::{flight, longer_for_takeoff_s, route_ends};
 use crate::spec::Endurance;
 use crate::verify::execute::flight::End;
-use crate::verify::limits::mission::Contract;
+use crate::verify::limits::mission::MissionCheck;
 use crate::verify::measure::segment::Segment;
 use crate::verify::{Limit, Margin, Requirement};
 use crate::world::Departure;
@@ -15,7 +15,7 @@ const MAX_ALOFT_S: f64 = 7.0 * 86_400.0;
 /// A motion that is shorter is none, metres.
 const STILL_M: f64 = 1e-3;
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// Time, distance through the air or energy from takeoff to touchdown, or until the vehicle
     /// stays for ever.
     pub(crate) fn endurance(&self) -> Option<Margin> {
@@ -41,7 +41,7 @@ impl Contract<'_> {
             .sum();
         let used = before + used;
         // A vehicle that is late hovers or circles for so long, where the air is thinnest.
-        let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.fixed_points.departure);
+        let late_s = last.late_s + longer_for_takeoff_s(self.vehicle, self.sites.departure);
         let wind_mps = self.spec.wind.map_or(0.0, |wind| wind.speed_mps);
         let tops = aloft
             .iter()
@@ -100,7 +100,7 @@ impl Contract<'_> {
 
     /// What a vehicle that begins in the air has used until then: since its departure, at its speed.
     fn used_before(&self, endurance: &Endurance) -> f64 {
-        let Departure::Airborne { at_s, .. } = self.fixed_points.departure else {
+        let Departure::Airborne { at_s, .. } = self.sites.departure else {
             return 0.0;
         };
         let since_s = (at_s - self.vehicle.depart_s).max(0.0);
@@ -109,9 +109,9 @@ impl Contract<'_> {
 
     /// What a flight straight from start over its stops to its end would use, if nothing were in the way.
     fn used_straight(&self, endurance: &Endurance) -> f64 {
-        let ends = route_ends(self.vehicle, self.fixed_points);
+        let ends = route_ends(self.vehicle, self.sites);
         let routes: Vec<Vec<PlanPoint>> = ends.iter().map(|ends| vec![ends.0, ends.1]).collect();
-        let points = flight(self.vehicle, self.fixed_points, &routes).points;
+        let points = flight(self.vehicle, self.sites, &routes).points;
         let moves = points
             .windows(2)
             .skip_while(|pair| pair[0].point == pair[1].point);

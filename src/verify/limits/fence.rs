@@ -30,9 +30,11 @@ impl Fence {
         let mut index = 0;
         while let Some(item) = items.get(index) {
             let keep = match item.command {
-                command::FENCE_POLYGON_INCLUSION | command::FENCE_CIRCLE_INCLUSION => Keep::Inside,
-                command::FENCE_POLYGON_EXCLUSION | command::FENCE_CIRCLE_EXCLUSION => Keep::Outside,
-                command::FENCE_RETURN_POINT => {
+                command::NAV_FENCE_POLYGON_VERTEX_INCLUSION
+                | command::NAV_FENCE_CIRCLE_INCLUSION => Keep::Inside,
+                command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+                | command::NAV_FENCE_CIRCLE_EXCLUSION => Keep::Outside,
+                command::NAV_FENCE_RETURN_POINT => {
                     index += 1;
                     continue;
                 }
@@ -40,7 +42,7 @@ impl Fence {
             };
             let is_circle = matches!(
                 item.command,
-                command::FENCE_CIRCLE_INCLUSION | command::FENCE_CIRCLE_EXCLUSION
+                command::NAV_FENCE_CIRCLE_INCLUSION | command::NAV_FENCE_CIRCLE_EXCLUSION
             );
             let boundary = if is_circle {
                 index += 1;
@@ -104,8 +106,8 @@ pub(crate) fn boundaries(mut fence: &[Item]) -> Vec<&[Item]> {
     let mut found = Vec::new();
     while let Some(first) = fence.first() {
         let is_polygon = [
-            command::FENCE_POLYGON_INCLUSION,
-            command::FENCE_POLYGON_EXCLUSION,
+            command::NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+            command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
         ]
         .contains(&first.command);
         let corners = (1_u16..)

@@ -1,6 +1,6 @@
 //! Whether a copter can fly its speed through the air at the lean angle that it is allowed.
 
-use super::mission::Contract;
+use super::mission::MissionCheck;
 use crate::mission::lean_limit_deg;
 use crate::spec::Airframe;
 use crate::verify::measure::segment::Segment;
@@ -24,7 +24,7 @@ fn hovers(segment: &Segment) -> bool {
     segment.flown && lasts_s > 0.0 && run_m <= HOVER_MPS * lasts_s
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// The greatest speed through the air: on legs the commanded ground speed less the wind, on circles
     /// their own less the wind, and all of the wind where it hovers, rises or descends.
     /// Specs of version 1 have it as an assumption.

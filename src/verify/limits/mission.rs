@@ -4,9 +4,9 @@
 mod actions;
 mod aim;
 pub(crate) mod coverage;
+mod delayed_commands;
 mod ends;
 mod fence;
-mod held_up;
 mod line_speed;
 mod param_fence;
 mod stops;
@@ -14,11 +14,11 @@ pub(crate) mod tasks;
 
 use crate::autopilot::{ParameterRow, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{self, AcceptanceProblem, List, VehicleMission, as_set, command};
+use crate::mission::{self, AcceptanceProblem, MissionType, VehicleMission, as_set, command};
 use crate::numeric::digits::float32;
 use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
-use crate::world::{FixedPoints, World};
+use crate::world::{VehicleSites, World};
 
 use super::fence::Fence;
 use crate::verify::execute::executor::is_launched;
@@ -34,16 +34,16 @@ const SPEED_MPS: f64 = 0.1;
 const DEPARTURE_S: f64 = 0.5;
 
 /// One vehicle's side of the contract.
-pub(crate) struct Contract<'a> {
+pub(crate) struct MissionCheck<'a> {
     pub(crate) spec: &'a MissionSpec,
     pub(crate) world: &'a World,
     pub(crate) vehicle: &'a Vehicle,
-    pub(crate) fixed_points: &'a FixedPoints,
+    pub(crate) sites: &'a VehicleSites,
     pub(crate) mission: &'a VehicleMission,
     pub(crate) flight: &'a Flight,
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     pub(crate) fn margins(&self, home: Option<LatLon>, fence: &Fence) -> Vec<Margin> {
         let mut margins = vec![self.judged()];
         margins.extend(self.kind());
@@ -163,7 +163,7 @@ impl Contract<'_> {
 
     /// What the autopilot would refuse or misread: one margin for each problem.
     fn acceptance(&self) -> Vec<Margin> {
-        let mut problems = if self.fixed_points.departure.is_airborne() {
+        let mut problems = if self.sites.departure.is_airborne() {
             mission::problems_in_flight(self.mission)
         } else {
             mission::problems(self.mission)
@@ -191,7 +191,7 @@ impl Contract<'_> {
         }
         let flown = |problem: &AcceptanceProblem| {
             let of_item = |segment: &&Segment| segment.row == problem.item;
-            let in_mission = problem.list == List::Mission;
+            let in_mission = problem.list == MissionType::Mission;
             let segment = self.flight.segments.iter().find(of_item);
             segment
                 .filter(|_| in_mission)
@@ -211,7 +211,7 @@ impl Contract<'_> {
     /// The delay before takeoff against `depart_s` or its window, where the autopilot keeps one.
     fn departure(&self) -> Option<Margin> {
         let first = self.flight.segments.first()?;
-        let is_airborne = self.fixed_points.departure.is_airborne();
+        let is_airborne = self.sites.departure.is_airborne();
         let is_launched = is_launched(self.vehicle, self.mission.autopilot);
         if is_airborne || self.flight.delay_s.is_none() && is_launched {
             return None;
@@ -321,7 +321,7 @@ impl Contract<'_> {
     fn slopes(&self) -> Vec<Margin> {
         let mut angles = [Worst::default(), Worst::default()];
         let mut rates = [Worst::default(), Worst::default()];
-        let is_airborne = self.fixed_points.departure.is_airborne();
+        let is_airborne = self.sites.departure.is_airborne();
         let begun = self.flight.segments.first().filter(|_| is_airborne);
         let set = as_set(self.vehicle, self.mission);
         for slope in &self.flight.slopes {
@@ -370,7 +370,7 @@ impl Contract<'_> {
     }
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// PX4 keeps a radius of its own for each waypoint, and goes on to the next one
     /// within it; 0 and NaN are that of its parameters (`Navigator::get_default_acceptance_radius`). ArduCopter keeps none.
     fn acceptance_radius(&self) -> Option<Margin> {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::mission::Contract;
+use super::mission::MissionCheck;
 use crate::verify::measure::segment::Segment;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
@@ -13,7 +13,7 @@ const COURSE_DEG: f64 = 2.0;
 /// quarters of a metre.
 const GLIDE_DEG: f64 = 0.5;
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// The wind of the spec, against the greatest in which the flight model holds.
     fn wind_allowed(&self, at: Moment) -> Option<Margin> {
         let figure = self.vehicle.facts().behaviour.max_wind_mps;
@@ -50,7 +50,7 @@ impl Contract<'_> {
         }
         if let Some(((is_rad, glide_rad), landing)) = flight.landing.zip(wing.landing) {
             let touchdown = last.moment(frame, 1.0);
-            if let Some(planned_rad) = self.fixed_points.landing_rad.or(landing.heading_rad) {
+            if let Some(planned_rad) = self.sites.landing_rad.or(landing.heading_rad) {
                 course(is_rad, planned_rad, Limit::LandingHeading, touchdown);
             }
             let mut glide = Worst::default();

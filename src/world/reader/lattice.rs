@@ -105,7 +105,7 @@ impl Lattice {
     pub(super) fn window(&self, bounds: Option<Bounds>) -> Result<Window, TerrainError> {
         let window = self.cut(bounds).ok_or_else(|| {
             let south_east = self.node(self.rows - 1, self.columns - 1);
-            TerrainError::Elsewhere {
+            TerrainError::ReturnTargets {
                 south: south_east.lat_deg,
                 north: self.north_west.lat_deg,
                 west: self.north_west.lon_deg,

@@ -140,7 +140,7 @@ pub enum TerrainError {
     #[error(
         "covers latitude {south:.4} to {north:.4}, longitude {west:.4} to {east:.4}: nothing of the area"
     )]
-    Elsewhere {
+    ReturnTargets {
         /// Southernmost latitude, degrees.
         south: f64,
         /// Northernmost latitude, degrees.
@@ -266,7 +266,7 @@ pub fn terrain_files(path: &Path, bounds: Option<Bounds>) -> Result<Vec<PathBuf>
 /// Adds the `.prj` of each ASCII grid.
 fn with_systems(files: Vec<PathBuf>) -> Vec<PathBuf> {
     let files = files.into_iter().flat_map(|path| {
-        let system = system_of(&path).filter(|path| path.exists());
+        let system = prj_path(&path).filter(|path| path.exists());
         [Some(path), system]
     });
     files.flatten().collect()
@@ -274,7 +274,7 @@ fn with_systems(files: Vec<PathBuf>) -> Vec<PathBuf> {
 
 /// The `.prj` of an ASCII grid, which names its coordinate system.
 #[must_use]
-pub fn system_of(grid: &Path) -> Option<PathBuf> {
+pub fn prj_path(grid: &Path) -> Option<PathBuf> {
     is_ascii(&name_of(grid)).then(|| prj::path_of(grid))
 }
 

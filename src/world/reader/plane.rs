@@ -89,7 +89,7 @@ impl PlaneLattice {
             })
         });
         cut.ok_or_else(|| match self.extent() {
-            Some(extent) => TerrainError::Elsewhere {
+            Some(extent) => TerrainError::ReturnTargets {
                 south: extent.south_west.lat_deg,
                 north: extent.north_east.lat_deg,
                 west: extent.south_west.lon_deg,

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use libfuzzer_sys::fuzz_target;
 use sortie::link::{
-    Address, Body, Clear, Download, List, Message, MissionMessage, MissionResult, Route, Time,
+    Address, Body, Clear, Download, MissionType, Message, MissionMessage, MissionResult, Route, Time,
     Upload,
 };
 use sortie::mission::Item;
@@ -186,7 +186,7 @@ fuzz_target!(|data: &[u8]| {
     let route = Route {
         us: US,
         vehicle: VEHICLE,
-        list: List::Mission,
+        list: MissionType::Mission,
     };
     let mut machine = match script.byte() % 4 {
         0 | 1 => {

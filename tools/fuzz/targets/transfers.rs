@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use libfuzzer_sys::fuzz_target;
 use sortie::link::{
-    Address, Body, List, Message, MissionMessage, MissionResult, Order, Session, Time, stored_form,
+    Address, Body, MissionType, Message, MissionMessage, MissionResult, Order, Session, Time, stored_form,
 };
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
 use sortie::spec::{Airframe, Autopilot};
@@ -63,9 +63,9 @@ fn mission(autopilot: Autopilot, items: u8, lists: u8, from: u8) -> VehicleMissi
         airframe: Airframe::Copter,
         home: HOME,
         items: (0..items).map(|n| waypoint(from.wrapping_add(n))).collect(),
-        fence: list(command::FENCE_POLYGON_INCLUSION, 0.0, 3 * (lists & 1)),
+        fence: list(command::NAV_FENCE_POLYGON_VERTEX_INCLUSION, 0.0, 3 * (lists & 1)),
         is_fence_known: true,
-        rally: list(command::RALLY_POINT, 80.0, lists >> 1 & 1),
+        rally: list(command::NAV_RALLY_POINT, 80.0, lists >> 1 & 1),
         params: Vec::new(),
         notes: Vec::new(),
     }
@@ -73,9 +73,9 @@ fn mission(autopilot: Autopilot, items: u8, lists: u8, from: u8) -> VehicleMissi
 
 fn holds(vehicle: &Vehicle, profile: Profile, mission: &VehicleMission) -> bool {
     let lists = [
-        (List::Mission, &mission.items),
-        (List::Fence, &mission.fence),
-        (List::Rally, &mission.rally),
+        (MissionType::Mission, &mission.items),
+        (MissionType::Fence, &mission.fence),
+        (MissionType::Rally, &mission.rally),
     ];
     lists.into_iter().all(|(list, items)| {
         let expected = items.iter().map(|item| match profile {
@@ -136,7 +136,7 @@ impl Air {
 
 /// Something that somebody else says, to us or to others.
 fn gossip(script: &mut Script<'_>, vehicle: Address) -> (Address, Message) {
-    let list = List::ALL[usize::from(script.byte() % 3)];
+    let list = MissionType::ALL[usize::from(script.byte() % 3)];
     let seq = u16::from(script.byte() % 16);
     let body = match script.byte() % 5 {
         0 => Body::Request { seq },

@@ -211,7 +211,7 @@ pub(super) fn begin_in_air(
     assumed: &mut Vec<String>,
 ) -> Option<Margin> {
     let (row, point, next) = first_place(mission, world)?;
-    world.fixed_points[index].departure = Departure::Airborne {
+    world.sites[index].departure = Departure::Airborne {
         point,
         course_rad: next.map_or(0.0, |next| heading_rad(point.at, next)),
         speed_mps: match vehicle.airframe.has_wing() {

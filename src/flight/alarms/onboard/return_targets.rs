@@ -1,13 +1,13 @@
 //! Home, fence and rally points in flight: a return was judged to those of the plan.
 
-use super::HEARD_OF_S;
+use super::REPLAN_GRACE_S;
 use crate::flight::launch::readiness;
-use crate::link::{Address, List, Message};
+use crate::link::{Address, Message, MissionType};
 use crate::mission::{Home, VehicleMission};
 
 /// What differs in flight of home, fence and rally points: a return was judged to those of the plan.
 #[derive(Debug, Default)]
-pub(super) struct Elsewhere {
+pub(super) struct ReturnTargets {
     /// Home as it was said last before the flight, and what it is now if that is another place, with since when.
     home: Option<Home>,
     pub(super) moved: Option<(String, f64)>,
@@ -21,20 +21,20 @@ pub(super) struct Elsewhere {
 }
 
 /// Lists, their names, and what is said of one with another id.
-const LISTS: [(List, &str, &str); 2] = [
+const LISTS: [(MissionType, &str, &str); 2] = [
     (
-        List::Fence,
+        MissionType::Fence,
         "fence",
         "the fence on board is another one (its id changed)",
     ),
     (
-        List::Rally,
+        MissionType::Rally,
         "rally points",
         "the rally points on board are others (their id changed)",
     ),
 ];
 
-impl Elsewhere {
+impl ReturnTargets {
     /// A list has the id that it has now where a `replan` sends it again (`is_sent`): that acknowledges it to another
     /// process of ours.
     pub(super) fn handle(
@@ -99,7 +99,7 @@ impl Elsewhere {
     }
 }
 
-impl Elsewhere {
+impl ReturnTargets {
     /// Its flight begins, with the ids that its fence and its rally points had when they were read.
     pub(super) fn begin(&mut self, ids: Option<[u32; 3]>, is_home_checked: bool, planned: &Home) {
         if let Some([_, fence, rally]) = ids {
@@ -114,7 +114,7 @@ impl Elsewhere {
 
     /// What is wrong with a list, by its place in [`LISTS`].
     pub(super) fn list(&self, at: usize, t_s: f64) -> Option<&str> {
-        let is_other = self.others_s[at].is_some_and(|since_s| t_s - since_s >= HEARD_OF_S);
+        let is_other = self.others_s[at].is_some_and(|since_s| t_s - since_s >= REPLAN_GRACE_S);
         let by_id = is_other.then_some(LISTS[at].2);
         self.lists[at].as_deref().or(by_id)
     }

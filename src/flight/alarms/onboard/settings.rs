@@ -1,11 +1,11 @@
 //! Parameters that a vehicle in flight says to have other values than planned.
 
 use super::Onboard;
-use crate::flight::launch::parameters::OtherSetting;
+use crate::flight::launch::parameters::ParameterMismatch;
 
 /// What is said of them; nothing of most vehicles.
 #[derive(Debug, Default)]
-pub(super) struct Settings {
+pub(super) struct ParameterMismatches {
     all: Option<String>,
     of_return: Option<String>,
 }
@@ -14,13 +14,13 @@ impl Onboard {
     /// Takes in all of them, and one that says how it returns.
     pub(in crate::flight::alarms) fn take_settings(
         &mut self,
-        others: &[OtherSetting],
-        of_return: Option<&OtherSetting>,
+        others: &[ParameterMismatch],
+        of_return: Option<&ParameterMismatch>,
     ) {
-        let words: Vec<String> = others.iter().map(OtherSetting::words).collect();
+        let words: Vec<String> = others.iter().map(ParameterMismatch::words).collect();
         let all = (!words.is_empty()).then(|| format!("says that {}", words.join(", and ")));
         let of_return = of_return.map(|of| format!("it says that {}", of.words()));
-        self.settings = Settings { all, of_return };
+        self.settings = ParameterMismatches { all, of_return };
     }
 
     /// What is wrong with its parameters, in words.

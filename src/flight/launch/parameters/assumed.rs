@@ -101,7 +101,7 @@ pub(super) enum Value {
 
 /// A parameter that the vehicle says to have another value than the verdict assumes.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::flight) struct OtherSetting {
+pub(in crate::flight) struct ParameterMismatch {
     /// As the vehicle names it.
     pub(in crate::flight) name: String,
     /// In its unit.
@@ -114,7 +114,7 @@ pub(in crate::flight) struct OtherSetting {
     pub(super) due: Time,
 }
 
-impl OtherSetting {
+impl ParameterMismatch {
     pub(super) fn new(assumed: Assumed<'_>, name: &str, value: f32, now: Time) -> Self {
         Self {
             name: name.to_owned(),

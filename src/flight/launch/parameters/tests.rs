@@ -120,7 +120,10 @@ fn a_parameter_that_is_said_to_be_another_one_after_it_was_read_is_named_until_i
     let says = |check: &mut SettingsCheck<'_>, ms, name: &str, value: f32| {
         check.heard(Time(ms), name, ParamValue::float(value));
         let others = check.others(Time(ms), 0);
-        others.iter().map(OtherSetting::words).collect::<Vec<_>>()
+        others
+            .iter()
+            .map(ParameterMismatch::words)
+            .collect::<Vec<_>>()
     };
     // Not read yet, and of no concern.
     assert!(says(&mut check, 0, "RTL_ALT", 1500.0).is_empty());
@@ -159,7 +162,7 @@ fn a_difference_that_is_flown_all_the_same_is_no_news_and_may_be_one_of_the_retu
     assert_eq!(check.outcome().map(<[String]>::len), Some(1));
     check.heard(Time(10), "RTL_ALT", ParamValue::float(1500.0));
     assert!(check.others(Time(10), 0).is_empty());
-    let of_return = check.other_of_return().map(OtherSetting::words);
+    let of_return = check.other_of_return().map(ParameterMismatch::words);
     assert_eq!(of_return.as_deref(), Some("RTL_ALT is 1500, planned 4000"));
     check.heard(Time(20), "RTL_ALT", ParamValue::float(2000.0));
     assert_eq!(check.others(Time(20), 0).len(), 1);

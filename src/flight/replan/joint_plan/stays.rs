@@ -4,7 +4,7 @@ use crate::flight::replan::new_mission::head_len;
 use crate::flight::replan::state::{VehicleState, Via};
 use crate::mission::{Item, command};
 use crate::spec::{Finish, OnWay, Vehicle};
-use crate::world::FixedPoints;
+use crate::world::VehicleSites;
 
 /// Puts what is done at the places that a new path leads over instead of the turns there.
 pub(super) fn keep_stays<'a>(items: &mut Vec<Item>, vias: impl Iterator<Item = &'a Via>) {
@@ -21,13 +21,8 @@ pub(super) fn keep_stays<'a>(items: &mut Vec<Item>, vias: impl Iterator<Item = &
 }
 
 /// What it has still to do at its goal and on the way there: nothing on its way back.
-pub(super) fn on_way_ahead(
-    state: &VehicleState,
-    vehicle: &Vehicle,
-    fixed_points: &FixedPoints,
-) -> OnWay {
-    let is_over =
-        vehicle.finish == Finish::Return && !state.returns_from(vehicle, fixed_points.goal);
+pub(super) fn on_way_ahead(state: &VehicleState, vehicle: &Vehicle, sites: &VehicleSites) -> OnWay {
+    let is_over = vehicle.finish == Finish::Return && !state.returns_from(vehicle, sites.goal);
     match is_over {
         true => OnWay::default(),
         false => vehicle.on_way.clone(),

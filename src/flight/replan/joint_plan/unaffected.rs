@@ -44,8 +44,8 @@ impl JointPlan<'_> {
             depart_s,
             ..vehicle.clone()
         });
-        let fixed_points = self.given.plan.world.fixed_points[state.vehicle].clone();
-        self.world.fixed_points.push(fixed_points);
+        let sites = self.given.plan.world.sites[state.vehicle].clone();
+        self.world.sites.push(sites);
         let path: Vec<PlanPoint> = state.ahead.iter().map(|(_, point)| *point).collect();
         self.commit(state, &path, held(state, items), rows);
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::flight::record::Flown;
-use crate::flight::record::underway::Ended;
+use crate::flight::record::handoff::Ended;
 use crate::flight::session::Fleet;
 use crate::flight::session::end::End;
 

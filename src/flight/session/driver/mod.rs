@@ -10,18 +10,18 @@ use super::start::{BEGUN, Launch};
 use super::{Event, Fleet, Intervention};
 use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::conformance::judge;
-use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::reference::ReferenceTrajectory;
 use crate::flight::conformance::report::FlightReport;
 use crate::flight::document::flight_json;
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::page::flight_page;
 use crate::flight::record::Plan;
+use crate::flight::record::handoff::{FlightHandoff, T0};
 use crate::flight::record::interrupted::Interrupted;
 use crate::flight::record::journal::Journal;
 use crate::flight::record::lines::Line;
 use crate::flight::record::read::read_record;
-use crate::flight::record::underway::{T0, Underway};
 use crate::formats::write_file;
 use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
@@ -57,7 +57,7 @@ pub struct Driver<'a> {
     links: &'a Links,
     clock: Clock,
     journal: Journal,
-    underway: &'a Underway,
+    handoff: &'a FlightHandoff,
     /// Everything that could not be written, each once.
     unwritten: Vec<String>,
     /// What was read of the lines of `replan`.
@@ -84,16 +84,16 @@ pub struct Judged {
 impl<'a> Driver<'a> {
     /// Starts the clock.
     #[must_use]
-    pub fn new(links: &'a Links, underway: &'a Underway, journal: Journal) -> Self {
+    pub fn new(links: &'a Links, handoff: &'a FlightHandoff, journal: Journal) -> Self {
         Self {
             links,
             clock: Clock::start(),
             journal,
-            underway,
+            handoff,
             unwritten: Vec::new(),
             read: String::new(),
-            t0: underway.notice.t0(),
-            ended: underway.notice.ended.keys().cloned().collect(),
+            t0: handoff.notice.t0(),
+            ended: handoff.notice.ended.keys().cloned().collect(),
             look_due: Time(0),
             launch_ms: None,
         }
@@ -103,7 +103,7 @@ impl<'a> Driver<'a> {
     /// has already.
     #[must_use]
     pub fn resuming(mut self, flight: &Interrupted) -> Self {
-        self.read = self.underway.first(flight.replan_lines());
+        self.read = self.handoff.first(flight.replan_lines());
         self
     }
 
@@ -146,7 +146,7 @@ impl<'a> Driver<'a> {
     pub fn record_plans(
         &mut self,
         plan: &FlightPlan,
-        references: &[Reference],
+        references: &[ReferenceTrajectory],
     ) -> Result<(), FlightError> {
         let missions = plan.missions.iter().zip(references);
         let lines = missions.map(|((index, mission), reference)| {
@@ -225,7 +225,7 @@ impl<'a> Driver<'a> {
                 let t0 = T0::now();
                 let t0_unix_s = t0.unix_ms / 1000;
                 self.t0 = Some(t0);
-                let announced = self.underway.announce(self.t0.as_ref(), fleet.ended());
+                let announced = self.handoff.announce(self.t0.as_ref(), fleet.ended());
                 self.note_unwritten(fleet, operator, announced);
                 self.remove_newest();
                 lines.push(Line::Start { t0_unix_s }.text());
@@ -269,8 +269,8 @@ impl<'a> Driver<'a> {
         let event = Event::new(fleet.t_s(now), None, text);
         let written = self.journal.put(&[Line::of_event(&event).text()]);
         let shown = operator.event(&event);
-        let announced = self.underway.announce(self.t0.as_ref(), fleet.ended());
-        let restored = self.underway.restore(&self.read);
+        let announced = self.handoff.announce(self.t0.as_ref(), fleet.ended());
+        let restored = self.handoff.restore(&self.read);
         for done in [written, shown, announced, restored] {
             self.note_unwritten(fleet, operator, done);
         }
@@ -282,14 +282,14 @@ impl<'a> Driver<'a> {
             return;
         }
         self.ended = fleet.down().map(str::to_owned).collect();
-        let announced = self.underway.announce(self.t0.as_ref(), fleet.ended());
+        let announced = self.handoff.announce(self.t0.as_ref(), fleet.ended());
         self.note_unwritten(fleet, operator, announced);
     }
 
     /// Takes in the lines of `replan`. It writes them before it sends, so what a vehicle was heard to hold until now
     /// is in them, if `replan` sent it.
     fn read_replan(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
-        let fresh = self.underway.lines_after(self.read.len());
+        let fresh = self.handoff.lines_after(self.read.len());
         let now = self.now();
         let lines = fresh
             .lines()

@@ -1,7 +1,7 @@
 //! What is made sure of before a vehicle flies.
 
 use super::{FlightVehicle, Stage};
-use crate::flight::launch::parameters::{OtherSetting, SettingsCheck};
+use crate::flight::launch::parameters::{ParameterMismatch, SettingsCheck};
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
 use crate::link::{MissionMessage, Reading, Time, check_kind};
@@ -331,11 +331,13 @@ impl FlightVehicle<'_> {
     fn changed_settings(&self) -> Vec<String> {
         let settings = self.settings.as_ref();
         let others = settings.map_or_else(Vec::new, |of| of.others(self.now, 0));
-        others.iter().map(OtherSetting::changed).collect()
+        others.iter().map(ParameterMismatch::changed).collect()
     }
 
     /// The same in flight, where an old answer that came late is not meant; and one of the return.
-    pub(in crate::flight) fn other_settings(&self) -> (Vec<OtherSetting>, Option<&OtherSetting>) {
+    pub(in crate::flight) fn other_settings(
+        &self,
+    ) -> (Vec<ParameterMismatch>, Option<&ParameterMismatch>) {
         let Some(settings) = &self.settings else {
             return (Vec::new(), None);
         };

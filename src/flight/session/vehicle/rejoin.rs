@@ -6,7 +6,7 @@ use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::itinerary::progress::Progress;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::Flight;
-use crate::flight::record::underway::Ended;
+use crate::flight::record::handoff::Ended;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 

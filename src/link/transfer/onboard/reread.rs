@@ -1,7 +1,9 @@
 //! Lists that change while they are read: what was read of two is none that the vehicle ever held.
 
 use super::{ORDER, Reading, Stage};
-use crate::link::message::{AUTOPILOT_GENERIC, Address, Body, List, MissionMessage, MissionResult};
+use crate::link::message::{
+    AUTOPILOT_GENERIC, Address, Body, MissionMessage, MissionResult, MissionType,
+};
 use crate::link::time::Time;
 use crate::link::transfer::download::DownloadError;
 use crate::link::transfer::report::Failure;
@@ -39,7 +41,7 @@ impl Reading {
         if !message.is_of_stranger(station, (from, vehicle), self.us) {
             return;
         }
-        self.foreign = Some((station.system, List::of(message.mission_type)));
+        self.foreign = Some((station.system, MissionType::of(message.mission_type)));
         match &mut self.stage {
             Stage::Quiet { until, latest } => *until = (now + QUIET_MS).min(*latest),
             _ if is_confirmed => self.begin_anew(now),
@@ -84,7 +86,7 @@ impl Reading {
             Err(error) => return self.fail(Failure::ReadBack { list, error }),
         };
         // Home may move meanwhile.
-        let home_rows = usize::from(list == List::Mission && self.counts_home());
+        let home_rows = usize::from(list == MissionType::Mission && self.counts_home());
         let known = self.lists.get(self.at).map_or(&[][..], Vec::as_slice);
         let is_same = items.len() == known.len() && {
             let mut pairs = items.iter().zip(known).skip(home_rows);

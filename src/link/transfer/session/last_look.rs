@@ -4,7 +4,7 @@
 use super::{ORDER, Session, Stage};
 use crate::link::codec::Version;
 use crate::link::message::{
-    AUTOPILOT_GENERIC, Address, Body, Heartbeat, List, MissionMessage, MissionResult, Route,
+    AUTOPILOT_GENERIC, Address, Body, Heartbeat, MissionMessage, MissionResult, MissionType, Route,
 };
 use crate::link::time::Time;
 use crate::link::transfer::discovery::Discovery;
@@ -20,7 +20,7 @@ const OVERTAKES_MS: u32 = 2000;
 /// Another station that writes to the vehicle: the first that was overheard, and its list (none
 /// for all lists at once).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Foreign(pub(super) Option<(u8, Option<List>)>);
+pub(super) struct Foreign(pub(super) Option<(u8, Option<MissionType>)>);
 
 /// The time since boot of the vehicle, milliseconds, as far as it reports it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,7 +70,10 @@ impl Session<'_> {
             _ => return,
         };
         if message.is_of_stranger(station, (from, vehicle), self.us) {
-            self.foreign = Foreign(Some((station.system, List::of(message.mission_type))));
+            self.foreign = Foreign(Some((
+                station.system,
+                MissionType::of(message.mission_type),
+            )));
         }
     }
 

@@ -1,7 +1,9 @@
 //! The lists in turn: sent or cleared, read back, compared, sent again.
 
 use super::{MAX_TEXTS, ORDER, Session, Stage};
-use crate::link::message::{AUTOPILOT_GENERIC, Address, List, Message, MissionResult, Route};
+use crate::link::message::{
+    AUTOPILOT_GENERIC, Address, Message, MissionResult, MissionType, Route,
+};
 use crate::link::texts::as_line;
 use crate::link::time::Time;
 use crate::link::transfer::clear::Clear;
@@ -143,7 +145,7 @@ impl<'a> Session<'a> {
             // A vehicle that knows no fence or rally holds none.
             Err(DownloadError::Refused {
                 result: MissionResult::UNSUPPORTED,
-            }) if list != List::Mission && must_be_empty => Vec::new(),
+            }) if list != MissionType::Mission && must_be_empty => Vec::new(),
             Err(error) => {
                 self.end(now, Verdict::Failed(Failure::ReadBack { list, error }));
                 return;
@@ -242,7 +244,7 @@ impl<'a> Session<'a> {
     fn look_for_rejection(&mut self, from: Address, text: &str) {
         // Its acknowledgement may be lost.
         let is_out = matches!(&self.stage, Stage::Working(task) if task.is_all_sent());
-        let is_mission = ORDER.get(self.at) == Some(&List::Mission);
+        let is_mission = ORDER.get(self.at) == Some(&MissionType::Mission);
         let is_sent = is_mission && (self.acknowledged || is_out);
         let is_held = is_sent || self.is_last_look || matches!(self.stage, Stage::Listening { .. });
         if is_held && self.is_of_autopilot(from) && text.starts_with(REJECTED) {

@@ -13,14 +13,14 @@ fn with_problem(windows: bool, act: impl FnOnce(&Horizontal<'_>)) {
     let text = include_str!("../../../../missions/first.yaml").to_owned();
     let file = SpecFile::parse(Path::new("first.yaml"), text).expect("a shipped mission");
     let world = World::new(&file.spec, Terrain::Flat(crate::geodesy::Amsl(584.0))).expect("ground");
-    let fixed_points = &world.fixed_points[0];
+    let sites = &world.sites[0];
     let context = RouteContext {
         world: &world,
         spec: &file.spec,
         index: 0,
         ends: RouteEnds {
-            from: fixed_points.start,
-            to: fixed_points.goal,
+            from: sites.start,
+            to: sites.goal,
             start_s: 0.0,
         },
         earlier: EarlierFlights::none(),

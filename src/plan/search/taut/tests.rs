@@ -29,14 +29,14 @@ fn with_context<T>(
     (spec, world): (&MissionSpec, &World),
     act: impl FnOnce(&RouteContext<'_>) -> T,
 ) -> T {
-    let fixed_points = &world.fixed_points[0];
+    let sites = &world.sites[0];
     act(&RouteContext {
         world,
         spec,
         index: 0,
         ends: RouteEnds {
-            from: fixed_points.start,
-            to: fixed_points.goal,
+            from: sites.start,
+            to: sites.goal,
             start_s: 0.0,
         },
         earlier: EarlierFlights::none(),
@@ -75,10 +75,7 @@ fn swung(context: &RouteContext<'_>, by_m: f64) -> Found {
 fn past_a_corner_a_taut_path_is_as_long_as_the_shortest_way_around_it() {
     const BUFFER_M: f64 = 10.0;
     let (spec, mut world) = empty();
-    let ends = (
-        world.fixed_points[0].start.at,
-        world.fixed_points[0].goal.at,
-    );
+    let ends = (world.sites[0].start.at, world.sites[0].goal.at);
     let corner = left_of(ends, 0.4, 300.0);
     let outline = [
         corner,
@@ -122,7 +119,7 @@ proptest! {
         by_m in -800.0..800.0_f64,
     ) {
         let (spec, mut world) = empty();
-        let ends = (world.fixed_points[0].start.at, world.fixed_points[0].goal.at);
+        let ends = (world.sites[0].start.at, world.sites[0].goal.at);
         let disc = |&(share, left_m, radius_m): &(f64, f64, f64)| Disc {
             center: left_of(ends, share, left_m),
             radius_m,

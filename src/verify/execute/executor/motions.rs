@@ -205,7 +205,7 @@ impl Pilot<'_> {
             course_rad,
             speed_mps,
             ..
-        } = self.fixed_points.departure
+        } = self.sites.departure
         else {
             return None;
         };

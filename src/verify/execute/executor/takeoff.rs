@@ -123,7 +123,7 @@ impl Pilot<'_> {
 
     /// The route begins at its start, if the vehicle is there.
     fn begin_route(&mut self) {
-        if self.here().distance_m(self.fixed_points.start) <= self.tolerance_m {
+        if self.here().distance_m(self.sites.start) <= self.tolerance_m {
             self.phase = Phase::Route;
             self.mark();
         }

@@ -323,7 +323,7 @@ impl Pilot<'_> {
             let course_rad = heading_rad(from.at, middle) - aside_rad;
             let tangent_m = (away_m * away_m - rim_m * rim_m).sqrt();
             along(from.at, course_rad, tangent_m)
-        } else if self.fixed_points.departure.is_airborne() {
+        } else if self.sites.departure.is_airborne() {
             // It is on its circle already.
             along(middle, outward_rad, rim_m)
         } else {

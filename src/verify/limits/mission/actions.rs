@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::Contract;
+use super::MissionCheck;
 use crate::autopilot::{Autopilot, command_name};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, command};
@@ -68,11 +68,11 @@ pub(super) fn load_commands(spec: &MissionSpec) -> BTreeSet<u16> {
         .collect()
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// Whether items move a load where none of the stops that the vehicle makes asks for it: its own,
     /// and those of its tasks. One that begins in the air may have part of a stop behind it.
     pub(super) fn stray(&self, commands: &BTreeSet<u16>, of_tasks: &[&Stop]) -> Option<Margin> {
-        if commands.is_empty() || self.fixed_points.departure.is_airborne() {
+        if commands.is_empty() || self.sites.departure.is_airborne() {
             return None;
         }
         let own: Vec<Stop> = self.with_ends().into_iter().map(|(stop, _)| stop).collect();
@@ -184,12 +184,12 @@ impl Contract<'_> {
         let rests = rests.map(|rest| (rest.rows.1, rest.point));
         let mut passed: Vec<(usize, PlanPoint)> = marks.chain(rests).collect();
         passed.sort_by_key(|(row, _)| *row);
-        let near = |fixed_points: PlanPoint| -> Vec<bool> {
-            let away = |of: &(usize, PlanPoint)| of.1.distance_m(fixed_points);
+        let near = |sites: PlanPoint| -> Vec<bool> {
+            let away = |of: &(usize, PlanPoint)| of.1.distance_m(sites);
             let within_m = passed.iter().map(away).fold(f64::INFINITY, f64::min) + SAME_M;
             passed.iter().map(|of| away(of) <= within_m).collect()
         };
-        let (at_start, at_goal) = (near(self.fixed_points.start), near(self.fixed_points.goal));
+        let (at_start, at_goal) = (near(self.sites.start), near(self.sites.goal));
         let begin = at_start.iter().position(|is_there| *is_there).unwrap_or(0);
         let stays = at_start[begin.min(at_start.len())..].iter();
         let stays = stays.take_while(|is_there| **is_there).count();

@@ -1,6 +1,6 @@
 //! Where the camera of a vehicle points, as far as its items say: straight down until one turns it.
 
-use super::Contract;
+use super::MissionCheck;
 use crate::autopilot::Autopilot;
 use crate::mission::{Item, command, command_name};
 use crate::verify::measure::segment::Segment;
@@ -38,7 +38,7 @@ pub(super) struct Aim {
     row: usize,
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// The aim on the leg of a motion, from that on the motion before it.
     pub(super) fn aim_on(&self, mut aim: Aim, row: usize) -> Aim {
         let items = &self.mission.items;

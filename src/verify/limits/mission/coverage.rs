@@ -1,7 +1,7 @@
 //! Areas, corridors and search patterns: what the encoded items show of the ground, and which legs
 //! they fly.
 
-use super::Contract;
+use super::MissionCheck;
 use super::aim::Aim;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::{self, command};
@@ -29,7 +29,7 @@ const MAX_ABOVE: f64 = 1.5;
 pub(crate) fn margins(
     spec: &MissionSpec,
     world: &World,
-    contracts: &[Contract<'_>],
+    contracts: &[MissionCheck<'_>],
 ) -> Vec<Margin> {
     let tasks = spec.tasks.iter();
     let with_lines = tasks.filter_map(|task| Some((task, task.sweep.as_ref()?)));
@@ -45,20 +45,18 @@ fn covered(
     task: &Task,
     (sweep, sensor): (&Sweep, &Sensor),
     (spec, world): (&MissionSpec, &World),
-    contracts: &[Contract<'_>],
+    contracts: &[MissionCheck<'_>],
 ) -> Margin {
     let limit = Limit::AreaCovered(task.id.clone());
     let Some(cells) = Cells::of(sweep, world) else {
         return Margin::unjudged("", limit, "no ground under a part of the area");
     };
-    let able = contracts
-        .iter()
-        .filter(|contract| task.is_for(contract.vehicle));
+    let able = contracts.iter().filter(|check| task.is_for(check.vehicle));
     let (mut passes, mut turned) = (Vec::new(), Vec::new());
-    for contract in able {
-        let (of_one, by) = contract.passes(sensor);
+    for check in able {
+        let (of_one, by) = check.passes(sensor);
         passes.extend(of_one);
-        turned.extend(by.map(|item| contract.turned_away(item)));
+        turned.extend(by.map(|item| check.turned_away(item)));
     }
     let seen = seen_by(&cells, sensor, sweep.agl.0, &passes);
     // How often a place is seen says nothing of overlaps below one half, and little of those between
@@ -141,7 +139,7 @@ struct Before<'a> {
     takes_pictures: bool,
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// The parts of the flight on which a sensor sees the ground, and the first item that
     /// turned it away where it would.
     fn passes(&self, sensor: &Sensor) -> (Vec<Pass>, Option<usize>) {
@@ -236,7 +234,7 @@ fn flown(
     task: &Task,
     sweep: &Sweep,
     (spec, world): (&MissionSpec, &World),
-    contracts: &[Contract<'_>],
+    contracts: &[MissionCheck<'_>],
 ) -> Margin {
     let layout = lay_out(sweep, world);
     let lines = layout.lines.iter();
@@ -245,15 +243,15 @@ fn flown(
     let min_m = sweep.agl.0 - spec.mission.tolerance_m - LOWER_M;
     let best = contracts
         .iter()
-        .filter(|contract| task.is_for(contract.vehicle))
-        .map(|contract| {
+        .filter(|check| task.is_for(check.vehicle))
+        .map(|check| {
             let legs = |line: &SweepLine, min_m: f64| {
                 let near = (near_m, min_m..=MAX_ABOVE * sweep.agl.0);
-                let forwards = contract.legs(&line.points, &near);
+                let forwards = check.legs(&line.points, &near);
                 let backwards = match line.is_reversible {
                     true => {
                         let turned: Vec<EastNorth> = line.points.iter().rev().copied().collect();
-                        contract.legs(&turned, &near)
+                        check.legs(&turned, &near)
                     }
                     false => 0,
                 };
@@ -266,7 +264,7 @@ fn flown(
             } else {
                 flown
             };
-            (flown, at_any_height, contract)
+            (flown, at_any_height, check)
         })
         .max_by_key(|(flown, at_any_height, _)| (*flown, *at_any_height));
     let required = Requirement::at_least(Limit::Task(task.id.clone()), count(total), "legs");
@@ -279,7 +277,7 @@ fn flown(
             note: format!("no vehicle flies {what}"),
             ..required.margin("", 0.0, None)
         },
-        Some((legs, at_any_height, contract)) => Margin {
+        Some((legs, at_any_height, check)) => Margin {
             note: match (legs < total, at_any_height > legs) {
                 (true, true) => too_low(legs + 1, sweep, min_m),
                 (true, false) => format!(
@@ -288,12 +286,12 @@ fn flown(
                 ),
                 (false, _) => String::new(),
             },
-            ..required.margin(contract.id(), count(legs), None)
+            ..required.margin(check.id(), count(legs), None)
         },
     }
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// How many legs of a line are flown, each after the one before it.
     fn legs(&self, line: &[EastNorth], near: &Near) -> usize {
         let flown = |segment: &&Segment| segment.flown && segment.to_s.is_finite();

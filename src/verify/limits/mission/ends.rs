@@ -1,6 +1,6 @@
 //! Where a mission begins and ends: home, start, goal, finish.
 
-use super::Contract;
+use super::MissionCheck;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{Airframe, Finish};
 use crate::verify::execute::flight::{End, Mark};
@@ -13,11 +13,11 @@ use crate::world::Terrain;
 /// Home may be written this far from the ground at most, metres, however wide the tolerance.
 const HOME_M: f64 = 5.0;
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// The home row: where the spec says, at the height of the terrain, inside the fence. A
     /// vehicle in the air has left it.
     pub(crate) fn home(&self, home: Option<LatLon>, fence: &Fence) -> Vec<Margin> {
-        if self.fixed_points.departure.is_airborne() {
+        if self.sites.departure.is_airborne() {
             return Vec::new();
         }
         let Some(place) = home else {
@@ -108,12 +108,12 @@ impl Contract<'_> {
     /// The first position against the start, the last against the goal.
     pub(crate) fn route(&self) -> Vec<Margin> {
         let tolerance_m = self.spec.mission.tolerance_m;
-        let near = |marks: &[Mark], fixed_points: PlanPoint, limit: Limit| {
+        let near = |marks: &[Mark], sites: PlanPoint, limit: Limit| {
             let mut worst = Worst::default();
             // The nearest of the candidates counts.
             let best = marks
                 .iter()
-                .map(|mark| (mark.point.distance_m(fixed_points), mark))
+                .map(|mark| (mark.point.distance_m(sites), mark))
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             match best {
                 Some((away_m, mark)) => {
@@ -143,7 +143,7 @@ impl Contract<'_> {
         } else {
             &route[..route.len().min(1)]
         };
-        let mut margins: Vec<Margin> = near(first, self.fixed_points.start, Limit::Start)
+        let mut margins: Vec<Margin> = near(first, self.sites.start, Limit::Start)
             .into_iter()
             .collect();
         if self.flight.unknown.is_none() {
@@ -155,10 +155,10 @@ impl Contract<'_> {
     /// Where the route ends: a vtol that lands from any direction flies its last stretch at
     /// the height that it has.
     pub(super) fn goal(&self) -> PlanPoint {
-        let goal = self.fixed_points.goal;
+        let goal = self.sites.goal;
         let levels = self.vehicle.airframe == Airframe::Vtol
             && self.vehicle.finish == Finish::Land
-            && self.fixed_points.landing_rad.is_none();
+            && self.sites.landing_rad.is_none();
         match self.flight.route.last() {
             Some(last) if levels => PlanPoint {
                 amsl: last.point.amsl,
@@ -172,10 +172,10 @@ impl Contract<'_> {
     pub(crate) fn finish(&self) -> Option<Margin> {
         let end = self.flight.end?;
         let last = self.flight.segments.last()?;
-        let (fixed_points, lands) = match self.vehicle.finish {
-            Finish::Land => (self.fixed_points.landing, true),
-            Finish::Return => (self.fixed_points.home.at, true),
-            Finish::Loiter => (self.fixed_points.goal.at, false),
+        let (sites, lands) = match self.vehicle.finish {
+            Finish::Land => (self.sites.landing, true),
+            Finish::Return => (self.sites.home.at, true),
+            Finish::Loiter => (self.sites.goal.at, false),
         };
         let unjudged = |why: &str| Some(Margin::unjudged(self.id(), Limit::Finish, why));
         let at = match (end, lands) {
@@ -193,7 +193,7 @@ impl Contract<'_> {
         let mut worst = Worst::default();
         let drift_m = self.flight.landing_drift_m;
         worst.at_most(
-            at.distance_m(fixed_points) + drift_m,
+            at.distance_m(sites) + drift_m,
             self.spec.mission.tolerance_m,
             || last.moment(&self.world.frame, 1.0),
         );

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::{Contract, count};
+use super::{MissionCheck, count};
 use crate::autopilot::Autopilot;
 use crate::geodesy::LatLon;
 use crate::mission::{self, FENCE_REACH_S, Item, command};
@@ -33,7 +33,7 @@ struct Held<'a> {
     needs: usize,
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// How far a copter may be from the places of its waypoints in corners, against the margin
     /// of its fence. Wings turn before a waypoint, on a way that is judged by itself.
     pub(super) fn fence_margin(&self) -> Option<Margin> {
@@ -101,7 +101,7 @@ impl Contract<'_> {
             let found = boundaries(&self.mission.fence);
             let others = found.iter().filter(|boundary| {
                 boundary.first().is_some_and(|item| {
-                    !is_exclusion(item) && item.command != command::FENCE_RETURN_POINT
+                    !is_exclusion(item) && item.command != command::NAV_FENCE_RETURN_POINT
                 }) && !own(boundary)
             });
             let others = others.count();
@@ -179,7 +179,7 @@ impl Contract<'_> {
         for place in self.mission.rally.iter().filter_map(Item::place) {
             let at = Moment {
                 place,
-                amsl: self.fixed_points.home.amsl,
+                amsl: self.sites.home.amsl,
                 t_s: 0.0,
                 item: 0,
             };
@@ -248,8 +248,8 @@ impl Contract<'_> {
 
 fn is_exclusion(item: &Item) -> bool {
     [
-        command::FENCE_POLYGON_EXCLUSION,
-        command::FENCE_CIRCLE_EXCLUSION,
+        command::NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+        command::NAV_FENCE_CIRCLE_EXCLUSION,
     ]
     .contains(&item.command)
 }

@@ -1,6 +1,6 @@
 //! The speed of legs that are lines of a task.
 
-use super::{Contract, SPEED_MPS};
+use super::{MissionCheck, SPEED_MPS};
 use crate::geodesy::EastNorth;
 use crate::numeric::geometry::point_segment_distance;
 use crate::tasks::lay_out;
@@ -17,7 +17,7 @@ pub(super) struct SpeedOfLine {
     speed_mps: f64,
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// The legs of lines of tasks that have a speed of their own and that the vehicle may do.
     pub(super) fn lines_with_speeds(&self) -> Vec<SpeedOfLine> {
         let tasks = self.spec.tasks.iter();

@@ -1,17 +1,17 @@
 //! The fence that parameters set, against all that is flown: circles, climb-outs and corners reach
 //! beyond the places of items, and a floor counts only once the vehicle was above it.
 
-use super::Contract;
+use super::MissionCheck;
 use crate::mission::{AcceptanceProblem, Item, ParamFence, command};
 use crate::verify::Moment;
 use crate::verify::measure::segment::Phase;
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// The first place at which the flight comes to the fence of the mission's parameters. On a return, by
     /// an item or at the end of a mission in the air, a breach would change nothing.
     pub(super) fn comes_to_param_fence(&self) -> Option<(AcceptanceProblem, Moment)> {
         let fence = ParamFence::of(self.mission).filter(|fence| fence.acts)?;
-        let home = self.fixed_points.home;
+        let home = self.sites.home;
         let mut was_above = false;
         self.flight.segments.iter().find_map(|segment| {
             let item = self.mission.items.get(segment.row.checked_sub(1)?)?;

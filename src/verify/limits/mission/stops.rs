@@ -1,6 +1,6 @@
 //! Stops: each is visited, in order, for its time, and what the spec wants is done there.
 
-use super::Contract;
+use super::MissionCheck;
 use crate::geodesy::PlanPoint;
 use crate::mission::{self, command};
 use crate::spec::{Order, Stop};
@@ -27,7 +27,7 @@ struct Visit {
     away_m: f64,
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// Distance, time and headings of all stops.
     pub(crate) fn stops(&self) -> Vec<Margin> {
         let visits = self.visits();
@@ -96,17 +96,17 @@ impl Contract<'_> {
 
     /// The stops, and start and goal where something is done there.
     pub(super) fn with_ends(&self) -> Vec<(Stop, PlanPoint)> {
-        let (vehicle, fixed_points) = (self.vehicle, self.fixed_points);
-        let is_on_ground = !fixed_points.departure.is_airborne();
+        let (vehicle, sites) = (self.vehicle, self.sites);
+        let is_on_ground = !sites.departure.is_airborne();
         let start = vehicle.start_stop().filter(|_| is_on_ground);
         let stops = vehicle
             .stops
             .iter()
             .cloned()
-            .zip(fixed_points.stops.iter().copied())
+            .zip(sites.stops.iter().copied())
             .map(|(stop, end)| (stop.clone(), stop.below(end)));
-        let goal = vehicle.goal_stop().map(|stop| (stop, fixed_points.goal));
-        let start = start.map(|stop| (stop, fixed_points.start));
+        let goal = vehicle.goal_stop().map(|stop| (stop, sites.goal));
+        let start = start.map(|stop| (stop, sites.start));
         start.into_iter().chain(stops).chain(goal).collect()
     }
 

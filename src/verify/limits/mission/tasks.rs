@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Contract;
+use super::MissionCheck;
 use super::actions::load_commands;
 use super::stops::REST_S;
 use crate::mission::{self, Item, command};
@@ -27,7 +27,7 @@ struct Claim {
 pub(crate) fn margins(
     spec: &MissionSpec,
     world: &World,
-    contracts: &[Contract<'_>],
+    contracts: &[MissionCheck<'_>],
 ) -> Vec<Margin> {
     let near_m = mission::corner_cut_m(&spec.mission).max(spec.mission.tolerance_m);
     let search = Search::new(spec, world, contracts, near_m);
@@ -87,7 +87,7 @@ pub(crate) fn margins(
 struct Search<'a> {
     spec: &'a MissionSpec,
     world: &'a World,
-    contracts: &'a [Contract<'a>],
+    contracts: &'a [MissionCheck<'a>],
     /// Of each task.
     possible: Vec<Vec<Claim>>,
 }
@@ -96,10 +96,10 @@ impl<'a> Search<'a> {
     fn new(
         spec: &'a MissionSpec,
         world: &'a World,
-        contracts: &'a [Contract<'a>],
+        contracts: &'a [MissionCheck<'a>],
         near_m: f64,
     ) -> Self {
-        let own: Vec<Vec<usize>> = contracts.iter().map(Contract::own_rests).collect();
+        let own: Vec<Vec<usize>> = contracts.iter().map(MissionCheck::own_rests).collect();
         let of_task = |(index, task): (usize, &Task)| {
             let mut claims = Vec::new();
             if task.sweep.is_some() {
@@ -223,7 +223,7 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// When what is done in a rest begins, early or late, against the window of its stop; `acts` is the index of the
     /// item that begins it.
     fn window(

@@ -1,10 +1,10 @@
 //! Commands that run later than their rows say, or never.
 
-use super::Contract;
+use super::MissionCheck;
 use crate::autopilot::Autopilot;
 use crate::mission::{command, command_name};
 
-impl Contract<'_> {
+impl MissionCheck<'_> {
     /// Index of the item between the waypoint before a command and the command that lets it run later, or never: a
     /// condition, for which ArduPilot waits until it goes on from there and drops the rest, or a jump.
     pub(super) fn held_up_by(&self, index: usize) -> Option<usize> {

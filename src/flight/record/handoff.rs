@@ -29,7 +29,7 @@ const SET_MS: i128 = 1000;
 
 /// The exchange files of one flight.
 #[derive(Debug)]
-pub struct Underway {
+pub struct FlightHandoff {
     folder: PathBuf,
     /// The content of `links.json`.
     pub notice: Notice,
@@ -192,7 +192,7 @@ impl Notice {
     }
 }
 
-impl Underway {
+impl FlightHandoff {
     /// The files of a flight that begins; `links` are the addresses of the vehicles by id.
     #[must_use]
     pub fn new(folder: PathBuf, links: BTreeMap<String, String>, speedup: f64) -> Self {
@@ -268,7 +268,7 @@ impl Underway {
         };
         if t0.is_none() {
             // Lines for an earlier flight do not count for this one.
-            let _ = std::fs::remove_file(self.underway());
+            let _ = std::fs::remove_file(self.handoff());
         }
         let text = report::json_text(&notice);
         write_file(&self.folder.join(NOTICE), text.as_bytes())?;
@@ -289,7 +289,7 @@ impl Underway {
         }
     }
 
-    fn underway(&self) -> PathBuf {
+    fn handoff(&self) -> PathBuf {
         self.folder.join(UNDERWAY)
     }
 
@@ -298,7 +298,7 @@ impl Underway {
     /// # Errors
     /// [`FlightError::Transfer`]: the file cannot be written, and nothing is sent without a record.
     pub fn append(&self, lines: &[Line]) -> Result<(), FlightError> {
-        let path = self.underway();
+        let path = self.handoff();
         let append = || {
             let text: String = lines.iter().map(|line| line.text() + "\n").collect();
             let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
@@ -314,7 +314,7 @@ impl Underway {
 
     /// Writes the lines of `replan` again, which were moved away or deleted with their folder.
     pub(crate) fn restore(&self, lines: &str) -> Result<(), FlightError> {
-        let path = self.underway();
+        let path = self.handoff();
         if lines.is_empty() || path.exists() {
             return Ok(());
         }
@@ -324,7 +324,7 @@ impl Underway {
     /// The first threats and plans, which are in the record already, and how those were taken.
     #[must_use]
     pub(crate) fn first(&self, lines: usize) -> String {
-        let text = read_regular(&self.underway()).unwrap_or_default();
+        let text = read_regular(&self.handoff()).unwrap_or_default();
         let is_counted = |line: &str| {
             serde_json::from_str(line.trim_end()).is_ok_and(|of: Line| of.is_of_replan())
         };
@@ -356,7 +356,7 @@ impl Underway {
 
     /// Whole lines after the first `taken` bytes.
     pub(crate) fn lines_after(&self, taken: usize) -> String {
-        let path = self.underway();
+        let path = self.handoff();
         let has_more = std::fs::metadata(&path).is_ok_and(|of| of.len() > taken as u64);
         if !has_more {
             return String::new();
