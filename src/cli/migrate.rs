@@ -1,5 +1,7 @@
 //! `sortie migrate`: a spec of version 1 as one of version 2.
 
+use std::fs;
+
 use super::args;
 use super::folder::replace;
 use super::print::console::{note, out_bytes};
@@ -29,11 +31,12 @@ pub(super) fn run(arguments: &args::Migrate) -> Result<(), Failure> {
         file.text
     };
     let target = match arguments.in_place {
-        true => Some(&arguments.spec),
-        false => arguments.output.as_ref(),
+        // Of a link the file that it points to is replaced, not the link.
+        true => Some(fs::canonicalize(&arguments.spec).unwrap_or(arguments.spec.clone())),
+        false => arguments.output.clone(),
     };
     match target {
-        Some(path) => Ok(replace::write_file(path, text.as_bytes())?),
+        Some(path) => Ok(replace::write_file(&path, text.as_bytes())?),
         None => out_bytes(text.as_bytes()),
     }
 }

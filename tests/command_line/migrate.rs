@@ -51,6 +51,26 @@ fn a_spec_becomes_version_2_and_keeps_every_other_byte() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn in_place_the_file_that_a_link_points_to_is_migrated_and_the_link_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, link) = (
+        folder.path().join("first.yaml"),
+        folder.path().join("link.yaml"),
+    );
+    fs::write(&path, first()).expect("written");
+    std::os::unix::fs::symlink("first.yaml", &link).expect("a link");
+    sortie()
+        .args(["migrate", "--in-place"])
+        .arg(&link)
+        .assert()
+        .success();
+    assert!(fs::symlink_metadata(&link).expect("a link").is_symlink());
+    let text = fs::read_to_string(&path).expect("a spec");
+    assert!(text.contains("sortie: 2"), "{text}");
+}
+
 #[test]
 fn a_spec_that_would_not_check_is_not_migrated_and_every_reason_is_listed() {
     let folder = tempfile::tempdir().expect("a folder");
