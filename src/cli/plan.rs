@@ -266,7 +266,7 @@ fn print_result(
         transfer.warn();
     }
     warn_of_parked(review);
-    for line in retimed_notes(file, dispatched) {
+    for line in given_way(file, dispatched) {
         out(&paint.dim(&format!("note: {line}")))?;
     }
     for (note, ids) in notes(file, dispatched) {
@@ -430,12 +430,12 @@ fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
 }
 
 /// The vehicles with another departure or speed than the spec has, and to which they give way.
-fn retimed_notes(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
+fn given_way(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
     let vehicles = &file.spec.vehicles;
     let planned = vehicles.iter().zip(&dispatched.plan.vehicles);
     planned
         .filter_map(|(vehicle, plan)| {
-            let others = plan.retimed_around(vehicle);
+            let others = plan.gives_way_to(vehicle);
             let (first, rest) = others.split_first()?;
             let mut past = vehicles.get(*first)?.id.clone();
             if !rest.is_empty() {

@@ -146,7 +146,7 @@ impl VehiclePlan {
     /// Indices of the earlier vehicles that it conflicts with at the specified departure and
     /// speed, if others were chosen, or that it is then planned around.
     #[must_use]
-    pub fn retimed_around(&self, specified: &Vehicle) -> &[usize] {
+    pub fn gives_way_to(&self, specified: &Vehicle) -> &[usize] {
         let as_specified = [
             (self.depart_s, specified.depart_s),
             (self.speed_mps, specified.speed_mps),

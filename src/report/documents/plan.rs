@@ -80,7 +80,7 @@ impl PlannedVehicles<'_> {
         let own = self.left_out.get(vehicle.id.as_str());
         let mut document = PlannedVehicle {
             landing_deg: landing_deg(vehicle, world.sites.get(index)),
-            retimed_around: ids(spec, planned.retimed_around(vehicle)),
+            gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
             blocked_by: ids(spec, &planned.blocked_by),
             // The objective judges turns and ground more strictly than the verdict.
             violations: if self.passes {
@@ -166,7 +166,7 @@ pub struct PlannedVehicle {
     /// The earlier vehicles to which it gives way by another departure or speed than that
     /// of the spec.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub retimed_around: Vec<String>,
+    pub gives_way_to: Vec<String>,
     /// The earlier vehicles that kept the search from finding a path within every limit.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub blocked_by: Vec<String>,
@@ -389,7 +389,7 @@ fn planned_vehicle(
         depart_s: planned.depart_s,
         speed_mps: planned.speed_mps,
         landing_deg: None,
-        retimed_around: Vec::new(),
+        gives_way_to: Vec::new(),
         blocked_by: Vec::new(),
         cost: cost(&planned.terms),
         bound: finite(planned.bound),

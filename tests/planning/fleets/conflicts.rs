@@ -185,7 +185,7 @@ fn at_a_shared_goal_the_second_lands_after_the_first_and_flies_no_further() {
     assert!(meeting.price(1).abs() < 1e-3, "the way it would fly alone");
     assert!(late.depart_s > wanted.depart_s && wanted.departures().miss(late.depart_s) <= 0.0);
     assert!(late.speed_mps < wanted.speed_mps && wanted.speeds().miss(late.speed_mps) <= 0.0);
-    assert_eq!(late.retimed_around(wanted), [0]);
+    assert_eq!(late.gives_way_to(wanted), [0]);
     let goal = |vehicle: usize| meeting.path(vehicle).last().expect("a path").point.at;
     assert!(goal(0).distance_m(goal(1)) < 1e-6);
     let (early_s, late_s) = (meeting.touchdown_s(0), meeting.touchdown_s(1));
