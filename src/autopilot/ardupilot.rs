@@ -379,7 +379,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",
         speed_parameters: [Some("AIRSPEED_MIN"), Some("AIRSPEED_MAX")],
-        rate_parameters: Some(["TECS_CLMB_MAX", "TECS_SINK_MAX"]),
+        rate_parameters: Some([&["TECS_CLMB_MAX"], &["TECS_SINK_MAX"]]),
         motion_parameters: None,
         rotor_parameters: None,
         bank_parameter: Some("ROLL_LIMIT_DEG"),
@@ -433,7 +433,7 @@ pub(super) static QUADPLANE: Facts = Facts {
     defaults: Defaults {
         cruise_parameter: "AIRSPEED_CRUISE",
         speed_parameters: [Some("AIRSPEED_MIN"), Some("AIRSPEED_MAX")],
-        rate_parameters: Some(["TECS_CLMB_MAX", "TECS_SINK_MAX"]),
+        rate_parameters: Some([&["TECS_CLMB_MAX"], &["TECS_SINK_MAX"]]),
         motion_parameters: None,
         rotor_parameters: Some(["Q_WP_SPEED_UP", "Q_WP_SPEED_DN"]),
         bank_parameter: Some("ROLL_LIMIT_DEG"),

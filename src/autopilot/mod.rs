@@ -143,8 +143,8 @@ pub struct Defaults {
     pub cruise_parameter: &'static str,
     /// The parameters of the least and the greatest speed, which hold whatever is commanded.
     pub speed_parameters: [Option<&'static str>; 2],
-    /// The parameters of the greatest climb and descent on a wing.
-    pub rate_parameters: Option<[&'static str; 2]>,
+    /// The parameters of the greatest climb and descent on a wing; the least of them holds.
+    pub rate_parameters: Option<[&'static [&'static str]; 2]>,
     /// The parameters that set climb, descent and acceleration, in this order: not of a wing, where
     /// they are limits.
     pub motion_parameters: Option<[&'static str; 3]>,

@@ -75,6 +75,12 @@ const MODES: Modes = Modes {
     return_to_launch: px4_auto("AUTO.RTL", 5),
 };
 
+/// `TECSControl::_calcAltitudeControlOutput` holds its target rates within the greatest ones.
+const RATES: [&[&str]; 2] = [
+    &["FW_T_CLMB_R_SP", "FW_T_CLMB_MAX"],
+    &["FW_T_SINK_R_SP", "FW_T_SINK_MAX"],
+];
+
 const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     // 1.16 alpha of December 2024, its own simulated quadrotor, still air, on the clock of the
     // vehicle; three at once on flat ground at 7 and 8 m/s, three over the ridge of Jacksboro at 8
@@ -216,7 +222,7 @@ pub(super) static PLANE: Facts = Facts {
     defaults: Defaults {
         cruise_parameter: "FW_AIRSPD_TRIM",
         speed_parameters: [Some("FW_AIRSPD_MIN"), Some("FW_AIRSPD_MAX")],
-        rate_parameters: Some(["FW_T_CLMB_R_SP", "FW_T_SINK_R_SP"]),
+        rate_parameters: Some(RATES),
         motion_parameters: None,
         rotor_parameters: None,
         bank_parameter: Some("FW_R_LIM"),
@@ -303,7 +309,7 @@ pub(super) static VTOL: Facts = Facts {
     defaults: Defaults {
         cruise_parameter: "FW_AIRSPD_TRIM",
         speed_parameters: [Some("FW_AIRSPD_MIN"), Some("FW_AIRSPD_MAX")],
-        rate_parameters: Some(["FW_T_CLMB_R_SP", "FW_T_SINK_R_SP"]),
+        rate_parameters: Some(RATES),
         motion_parameters: None,
         rotor_parameters: Some(["MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"]),
         bank_parameter: Some("FW_R_LIM"),

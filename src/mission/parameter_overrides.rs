@@ -1,6 +1,7 @@
 //! A vehicle as the parameters of its mission set it, where they say something else than the spec.
 
 use std::borrow::Cow;
+use std::slice;
 
 use super::item::VehicleMission;
 use crate::spec::Vehicle;
@@ -8,11 +9,14 @@ use crate::spec::Vehicle;
 /// A float32, in centimetres or degrees, is the planned value within this share.
 const SAME_SHARE: f64 = 1e-4;
 
-/// The parameters of the greatest climb and descent: of a wing those on the wing.
+/// The parameters of the greatest climb and descent, the least of each list holds: of a wing those on the wing.
 #[must_use]
-pub fn rate_parameters(mission: &VehicleMission) -> Option<[&'static str; 2]> {
-    let defaults = mission.facts().defaults;
-    let of_copter = || defaults.motion_parameters.map(|[up, down, _]| [up, down]);
+pub fn rate_parameters(mission: &VehicleMission) -> Option<[&'static [&'static str]; 2]> {
+    let defaults = &mission.facts().defaults;
+    let of_copter = || {
+        let [up, down, _] = defaults.motion_parameters.as_ref()?;
+        Some([up, down].map(slice::from_ref))
+    };
     defaults.rate_parameters.or_else(of_copter)
 }
 
@@ -26,8 +30,10 @@ pub fn as_set<'a>(vehicle: &'a Vehicle, mission: &VehicleMission) -> Cow<'a, Veh
             let mut set = Cow::Borrowed(vehicle);
             let planned = [vehicle.climb_mps, vehicle.descent_mps];
             let less = [0, 1].map(|way| {
-                let held = other_than(planned[way], mission, rates[way]);
-                held.filter(|held| *held < planned[way])
+                let held = rates[way]
+                    .iter()
+                    .filter_map(|name| other_than(planned[way], mission, name));
+                held.filter(|held| *held < planned[way]).reduce(f64::min)
             });
             set_rates(&mut set, less);
             if let Some(load_factor) = load_factor(vehicle, mission) {

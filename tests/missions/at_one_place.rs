@@ -108,6 +108,29 @@ fn a_plane_of_px4_climbs_no_faster_than_its_target_rate() {
     assert!(!out.contains("FAIL m: climb speed"), "{out}");
 }
 
+/// The greatest climb holds where it is less than the target rate.
+#[test]
+fn a_plane_of_px4_climbs_no_faster_than_its_greatest_rate_either() {
+    let rows = plane(&[(46.0, 8.046, 620.0), (46.0, 8.06, 620.0)]);
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("m.waypoints"), file_of(HOME, &rows)).expect("written");
+    let held = "1\t1\tFW_T_CLMB_R_SP\t6.0\t9\n1\t1\tFW_T_CLMB_MAX\t2.5\t9\n";
+    fs::write(folder.path().join("m.params"), held).expect("written");
+    let flags = [
+        "review",
+        "m.waypoints",
+        "--no-terrain",
+        "--airframe",
+        "plane",
+        "--autopilot",
+        "px4",
+    ];
+    let output = sortie(folder.path(), &flags);
+    let (out, errors) = (text(&output.stdout), text(&output.stderr));
+    assert!(out.contains("FAIL m: climb speed"), "{out}");
+    assert!(errors.contains("FW_T_CLMB_MAX 2.5"), "{errors}");
+}
+
 /// Since 4.7 the edge of a circle is found from the distance seen from above: 62 m inside a hill that the way to a place
 /// further in passes.
 #[test]

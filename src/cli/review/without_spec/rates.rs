@@ -26,9 +26,14 @@ struct Rates {
 
 impl Rates {
     fn of(vehicle: &str, mission: &VehicleMission) -> Option<Self> {
-        let [climb, descent] = rate_parameters(mission)?;
-        let mps = |name: &str| mission.param_or_default_si(name);
-        let (climb_mps, descent_mps) = (mps(climb)?, mps(descent)?);
+        let least = |names: &[&'static str]| {
+            let all = names
+                .iter()
+                .filter_map(|&name| Some((mission.param_or_default_si(name)?, name)));
+            all.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let [climb, descent] = rate_parameters(mission)?.map(least);
+        let ((climb_mps, climb), (descent_mps, descent)) = (climb?, descent?);
         Some(Self {
             vehicle: vehicle.to_owned(),
             has_wing: mission.airframe.has_wing(),
