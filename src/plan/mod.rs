@@ -20,7 +20,7 @@ mod spline;
 pub use crate::plan::diagnosis::blocking_set::{BlockingElement, BlockingSets};
 pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
 pub use crate::plan::diagnosis::violations::{Violation, violations};
-pub use bound::{Effort, RouteBound, RouteCertificate};
+pub use bound::{CertifyBudget, RouteBound, RouteCertificate};
 pub use fleet::columns::ColumnConflict;
 pub use fleet::pairs::{min_lengths_m, route_bounds, route_costs};
 pub use fleet::shapes::{Shape, Shaper};

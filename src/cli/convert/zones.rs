@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     complete(&report)
 }
 
-/// That no zone was lost.
+/// Fails if a zone is not in the output.
 fn complete(report: &Report) -> Result<(), Failure> {
     let lost = match report.refused.len() {
         0 => return Ok(()),

@@ -13,7 +13,7 @@ use crate::cli::print::failure::Failure;
 use crate::cli::print::progress::Progress;
 use crate::cli::print::table::Rows;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::plan::{Effort, certify};
+use crate::plan::{CertifyBudget, certify};
 use crate::report::{CertificateDocument, certificate_document};
 use crate::spec::{EndPoint, MissionSpec, Order, Placement, SpecFile, Stop, Vehicle};
 use crate::world::{self, World};
@@ -36,19 +36,20 @@ pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
     )]
     let (progress, begun) = (Progress::start(), Instant::now());
     // Time that a vehicle does not use is left to the next ones.
-    let whole_s = arguments.within.unwrap_or(f64::INFINITY) / count(chosen.len());
+    let time_per_vehicle_s = arguments.within.unwrap_or(f64::INFINITY) / count(chosen.len());
     let vehicles = chosen.iter().enumerate().map(|(number, &index)| {
         let id = &spec.vehicles[index].id;
         let say = |share: f64| progress.say(&format!("{id}: {:.0} %", 100.0 * share));
         say(0.0);
-        let is_over =
-            |share: f64| begun.elapsed().as_secs_f64() > whole_s * (count(number) + share);
-        let effort = Effort {
+        let is_over = |share: f64| {
+            begun.elapsed().as_secs_f64() > time_per_vehicle_s * (count(number) + share)
+        };
+        let budget = CertifyBudget {
             cells: arguments.cells,
             progress: &say,
             is_over: &is_over,
         };
-        (index, certify(spec, &world, index, &effort))
+        (index, certify(spec, &world, index, &budget))
     });
     let document = certificate_document((spec, &world), &hash, vehicles.collect());
     drop(progress);

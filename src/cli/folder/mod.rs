@@ -349,17 +349,17 @@ pub(super) fn reason_not_to_replace(target: &Path) -> Option<String> {
     let file = SpecFile::read(&spec)
         .ok()
         .filter(|file| planned.and_then(|(_, table)| table) == table_sha256(file));
-    let copies = file.as_ref().map_or_else(Vec::new, copied);
+    let copies = file.as_ref().map_or_else(Vec::new, copied_names);
     let foreign = names
         .iter()
-        .find(|name| !is_written(name) && !copies.contains(name))?;
+        .find(|name| !is_plan_output(name) && !copies.contains(name))?;
     Some(format!(
         "it holds {foreign}, which no plan wrote, and is not replaced"
     ))
 }
 
 /// Whether `plan` writes a file of this name.
-fn is_written(name: &str) -> bool {
+fn is_plan_output(name: &str) -> bool {
     let fixed = [
         "spec.yaml",
         "plan.json",
@@ -374,7 +374,7 @@ fn is_written(name: &str) -> bool {
 }
 
 /// The files and folders that were copied with a spec: the first parts of their paths.
-fn copied(file: &SpecFile) -> Vec<String> {
+fn copied_names(file: &SpecFile) -> Vec<String> {
     let terrain = match &file.spec.terrain {
         TerrainSource::File(path) | TerrainSource::Folder(path) => Some(path),
         TerrainSource::Flat(_) | TerrainSource::Analytic { .. } => None,

@@ -63,11 +63,11 @@ pub(crate) fn run(
     let record = if path.extension().is_some_and(|ending| ending == "tlog") {
         capture(path, &file, &world, &missions)?
     } else {
-        let record = recorded(path, &file, &world)?;
+        let record = read_record(path, &file, &world)?;
         compare(path, &record, &world, (&file, &missions));
         record
     };
-    let record = of_fleet(record, path, &file)?;
+    let record = with_unflown_vehicles(record, path, &file)?;
     write_result(&file, &world, &record, &missions, arguments)
 }
 
@@ -87,7 +87,7 @@ fn planned(folder: &Path, file: &SpecFile) -> Vec<PathBuf> {
     paths.filter(|path| path.is_file()).collect()
 }
 
-fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failure> {
+fn read_record(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failure> {
     let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", path.display()));
     let text = read_regular(path).map_err(|error| bad(error.to_string()))?;
     let record = flight::read_record(&text, world.frame).map_err(|error| bad(error.to_string()))?;
@@ -96,7 +96,7 @@ fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failu
     }
     let hash = folder::sha256(&file.text);
     if record.spec_sha256 != hash {
-        fits(path, &record, file, world)?;
+        check_in_area(path, &record, file, world)?;
         note(&format!(
             "note: {} was flown by another spec than {}; the limits are those of the latter",
             path.display(),
@@ -107,7 +107,12 @@ fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failu
 }
 
 /// A record of another spec is accepted only if each vehicle was at some time in the area of this one.
-fn fits(path: &Path, record: &Record, file: &SpecFile, world: &World) -> Result<(), Failure> {
+fn check_in_area(
+    path: &Path,
+    record: &Record,
+    file: &SpecFile,
+    world: &World,
+) -> Result<(), Failure> {
     for flight in &record.flights {
         let mut fixes = flight.flown.fixes.iter();
         let is_in = |fix: &Fix| world.in_area(world.frame.to_plan(fix.place));
@@ -215,7 +220,7 @@ fn capture(
 }
 
 /// The record with one flight for each vehicle of the spec, in its order; a vehicle without one fails.
-fn of_fleet(record: Record, path: &Path, file: &SpecFile) -> Result<Record, Failure> {
+fn with_unflown_vehicles(record: Record, path: &Path, file: &SpecFile) -> Result<Record, Failure> {
     let fleet = &file.spec.vehicles;
     let unknown = record
         .flights

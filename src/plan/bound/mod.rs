@@ -21,7 +21,7 @@ mod potential;
 
 pub(super) use estimate::estimate;
 pub(super) use potential::certify;
-pub use potential::{Effort, RouteBound, RouteCertificate};
+pub use potential::{CertifyBudget, RouteBound, RouteCertificate};
 
 use lids::{Climbs, Lid, lids};
 use rayon::prelude::*;

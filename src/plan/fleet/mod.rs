@@ -39,7 +39,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::bound::{self, Effort, RouteBound, proven};
+use super::bound::{self, CertifyBudget, RouteBound, proven};
 use super::route_context::RouteContext;
 use super::search::KnownClasses;
 use super::search_options::SearchOptions;
@@ -322,10 +322,10 @@ pub fn certify(
     spec: &MissionSpec,
     world: &World,
     vehicle: usize,
-    effort: &Effort<'_>,
+    budget: &CertifyBudget<'_>,
 ) -> Vec<RouteBound> {
     let routes = route_ends(&spec.vehicles[vehicle], &world.sites[vehicle]);
-    bound::certify((spec, world), vehicle, &routes, effort)
+    bound::certify((spec, world), vehicle, &routes, budget)
 }
 
 /// A plan, and at the same time the proven bound of each vehicle.

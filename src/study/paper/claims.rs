@@ -10,6 +10,7 @@ use crate::study::stats::Summary;
 
 /// Indices in the seven, of [`PUBLISHED`] and of [`Results::contestants`] alike.
 const MSFOA: usize = 0;
+const FOA: usize = 1;
 const ABC: usize = 4;
 const MFOA: usize = 6;
 
@@ -111,7 +112,7 @@ impl Case<'_> {
 }
 
 fn reaches_foa(case: &Case<'_>) -> Option<Judged> {
-    let foa = case.measured(|of| of.average)?[1];
+    let foa = case.measured(|of| of.average)?[FOA];
     let share = case.curve(MSFOA).reaches(foa);
     let measured = share.map_or("never".to_owned(), |share| {
         format!("{:.0} %", 100.0 * share)

@@ -85,7 +85,7 @@ pub struct RouteBound {
 }
 
 /// How long to look for the certificates of a vehicle.
-pub struct Effort<'a> {
+pub struct CertifyBudget<'a> {
     /// Most cells of a mesh from start to goal.
     pub cells: usize,
     /// Gets the share that is done.
@@ -100,7 +100,7 @@ pub(in crate::plan) fn certify(
     (spec, world): (&MissionSpec, &World),
     vehicle: usize,
     routes: &VehicleRoutes,
-    effort: &Effort<'_>,
+    budget: &CertifyBudget<'_>,
 ) -> Vec<RouteBound> {
     let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
     let top_m = world.max_amsl.0;
@@ -121,10 +121,10 @@ pub(in crate::plan) fn certify(
             longest_m: 1000.0 * proven / spec.planner.weights.length * LONGEST,
             plain: Plain::new(spec, world),
             slopes: slopes.clone(),
-            cells: effort.cells,
+            cells: budget.cells,
         };
-        let progress = |share: f64| (effort.progress)((count(index) + share) / all);
-        let is_over = || (effort.is_over)((count(index) + 1.0) / all);
+        let progress = |share: f64| (budget.progress)((count(index) + share) / all);
+        let is_over = || (budget.is_over)((count(index) + 1.0) / all);
         route.certificate(&progress, &is_over)
     };
     let plain = Plain::new(spec, world);
