@@ -439,7 +439,7 @@ fn world(
     limits: &Limits,
 ) -> Result<World, Failure> {
     let terrain = terrain(spec, limits)?;
-    // Stations need ground, and there may be none; only their homes are used.
+    // Sites need ground, and there may be none; only their homes are used.
     let mut world = World::new(spec, Terrain::Flat(Amsl(0.0)))
         .map_err(|error| Failure::new(Failure::INPUT, error.to_string()))?;
     for (index, mission) in missions {

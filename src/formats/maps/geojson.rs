@@ -1,6 +1,6 @@
 //! `fleet.geojson`: area, threats, zones, stations and paths for any map (RFC 7946).
 //!
-//! Stations and paths have a third coordinate, the height above the WGS84 ellipsoid
+//! Sites and paths have a third coordinate, the height above the WGS84 ellipsoid
 //! (section 3.1.1), by EGM96. Altitudes above mean sea level, which the autopilots mean,
 //! are in the property `amsl_m`, for a path a list along it. Polygons lie in the plane.
 
