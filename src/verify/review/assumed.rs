@@ -194,7 +194,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
                 && s.vehicle.airframe == Airframe::Vtol
                 && s.vehicle.carried_by().is_some()
         },
-        "VTOLs of PX4 were flown in 4 m/s of wind alone: that they keep to the columns of takeoff and landing in it is assumed",
+        "VTOLs of PX4 were flown in 2 and 4 m/s of wind alone: that they keep to the columns of takeoff and landing in it is assumed",
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
