@@ -91,7 +91,7 @@ impl Run<'_> {
 /// best round, the earliest of those with the fewest violations.
 ///
 /// Where the spec leaves the order of stops free, it is found first; the plan has it. Tasks are
-/// assigned then, and become stops of their vehicles: [`Dispatched::flown`].
+/// assigned then, and become stops of their vehicles: [`Dispatched::planned_spec`].
 #[must_use]
 pub fn dispatch(
     spec: &MissionSpec,

@@ -19,7 +19,7 @@
 //! Where slopes and floor cannot be met together the slopes are given up: the objective
 //! will tell.
 //!
-//! Where a lower flight is not the cheaper one, [`least_cost`] then improves the altitudes by the true objective.
+//! Where a lower flight is not the cheaper one, `least_cost` then improves the altitudes by the true objective.
 
 mod edges;
 pub(super) mod floor;
