@@ -16,7 +16,6 @@
 //! another (a mixture in the middle, as printed, would lead between two routes, and
 //! there the obstacle stands).
 
-mod offspring;
 mod race;
 mod swarm;
 
@@ -26,7 +25,6 @@ use rayon::prelude::*;
 
 use super::cma_es::Adapted;
 use super::{Candidate, Evaluator, Problem, Redraw, SearchSeeds};
-use offspring::compete;
 use race::{drop_the_slow, survivors};
 use swarm::{Flight, Swarm};
 
@@ -79,11 +77,8 @@ const FRESH_ROUNDS: usize = 2;
 const REDRAWN: f64 = 0.7;
 /// Share of the evaluations, as a fraction, after which swarms learn from whole flies.
 const WHOLE: (usize, usize) = (4, 5);
-/// Evaluations from which on swarms keep apart: every other one learns from whole flies at all
-/// times, and offspring that only copy another swarm are dropped. Parts leave out what a step asks
-/// of altitudes far from it, so that on steep ground swarms that learn from them all end in one
-/// valley, and copies end the search of the others.
-const MIN_APART_BUDGET: usize = 20_000;
+/// Swarms that mate at the end of a round.
+const PARENTS: usize = 4;
 
 /// Runs until the budget is spent; returns the best of every swarm there was.
 pub(super) fn search<P: Problem + ?Sized>(
@@ -94,10 +89,12 @@ pub(super) fn search<P: Problem + ?Sized>(
 ) -> Vec<Candidate> {
     let parameters = usable(parameters);
     let given = enough_seeds(seeds.given, evaluator.dimension(), parameters.swarms, rng);
-    let (first, others) = given.split_at(parameters.swarms);
-    let mut unused = others.iter();
-    let is_apart = evaluator.budget() >= MIN_APART_BUDGET;
-    let mut swarms = first_swarms(first, &parameters, is_apart);
+    let mut unused = given.iter();
+    let mut swarms: Vec<Swarm> = unused
+        .by_ref()
+        .take(parameters.swarms)
+        .map(|seed| Swarm::new(seed, &parameters))
+        .collect();
     let mut left_behind = Vec::new();
     // Swarms that stopped for another start: they take part in the race all the same.
     let mut resting = Vec::new();
@@ -113,10 +110,7 @@ pub(super) fn search<P: Problem + ?Sized>(
                 }
                 left_behind.push(swarm.best.clone());
                 if let Some(seed) = unused.next().filter(|_| round < FRESH_ROUNDS) {
-                    let fresh = Swarm {
-                        learns_whole: swarm.learns_whole,
-                        ..Swarm::new(seed, &parameters)
-                    };
+                    let fresh = Swarm::new(seed, &parameters);
                     resting.push(std::mem::replace(swarm, fresh));
                     continue;
                 }
@@ -134,7 +128,7 @@ pub(super) fn search<P: Problem + ?Sized>(
             judge_again(evaluator, &mut resting, &mut Vec::new());
         }
         if !last && parameters.offspring {
-            compete(evaluator, &mut swarms, parameters.group, is_apart);
+            compete(evaluator, &mut swarms, parameters.group);
         }
         if !last && parameters.racing {
             let keep = survivors(parameters.swarms, round + 1);
@@ -145,15 +139,6 @@ pub(super) fn search<P: Problem + ?Sized>(
     left_behind.extend(running.flat_map(|swarm| [swarm.best, swarm.elite]));
     left_behind.retain(|candidate| candidate.cost.is_finite());
     left_behind
-}
-
-/// A swarm in each seed; if they keep apart, every other one learns from whole flies.
-fn first_swarms(seeds: &[SearchSeed], parameters: &MsfoaParameters, is_apart: bool) -> Vec<Swarm> {
-    let swarm = |(number, seed): (usize, &SearchSeed)| Swarm {
-        learns_whole: is_apart && number % 2 == 1,
-        ..Swarm::new(seed, parameters)
-    };
-    seeds.iter().enumerate().map(swarm).collect()
 }
 
 /// The parameters, raised to the least counts that the search works with.
@@ -271,7 +256,6 @@ fn generation<P: Problem + ?Sized>(
                 && before.is_finite();
             swarm.see(row, *cost);
         }
-        let parts = if swarm.learns_whole { costs } else { parts };
         swarm.learn(flights, costs, parts);
         if global_gain {
             swarm.adapted.move_to(&swarm.best.position);
@@ -303,7 +287,6 @@ fn begin_again<P: Problem + ?Sized>(
                 *swarm = Swarm {
                     class,
                     elite,
-                    learns_whole: swarm.learns_whole,
                     ..Swarm::new(&seed, parameters)
                 };
             }
@@ -343,56 +326,33 @@ fn wander<P: Problem + ?Sized>(
     swarm.come_back(elite, [costs[0], costs[1]]);
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::numeric::Seed;
-    use crate::optimize::{Algorithm, minimise};
-
-    /// Points whose parts lead to another place than the whole.
-    struct Misleading;
-
-    impl Problem for Misleading {
-        fn dimension(&self) -> usize {
-            16
-        }
-
-        fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
-            let square = |x: &f64| (x - 0.75) * (x - 0.75);
-            for (cost, row) in costs.iter_mut().zip(candidates.chunks(16)) {
-                *cost = row.iter().map(square).sum();
-            }
-        }
-
-        fn groups(&self) -> usize {
-            8
-        }
-
-        fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
-            self.evaluate(candidates, costs);
-            for (part, pair) in parts.iter_mut().zip(candidates.chunks(2)) {
-                *part = pair.iter().map(|x| (x - 0.25) * (x - 0.25)).sum();
+/// Competition of offspring among the best swarms: each takes the best of its
+/// children that beats its own keenest fly.
+fn compete<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    swarms: &mut [Swarm],
+    group: usize,
+) {
+    swarms.sort_by(|a, b| a.elite.cost.total_cmp(&b.elite.cost));
+    let dimension = evaluator.dimension();
+    let parents = swarms.len().min(PARENTS);
+    let mut rows = Vec::new();
+    let mut owners = Vec::new();
+    for (g, first) in swarms[..parents].iter().enumerate() {
+        for second in swarms[..parents].iter().filter(|s| s.class != first.class) {
+            for cut in (group..dimension).step_by(group) {
+                rows.extend_from_slice(&first.elite.position[..cut]);
+                rows.extend_from_slice(&second.elite.position[cut..]);
+                owners.push(g);
             }
         }
     }
-
-    #[test]
-    fn with_a_large_budget_some_swarms_do_not_trust_the_parts_of_costs() {
-        let parameters = MsfoaParameters {
-            swarms: 5,
-            flies: 16,
-            threshold: f64::INFINITY,
-            step: 0.4,
-            group: 2,
-            racing: true,
-            offspring: true,
-            restarts: true,
-        };
-        let algorithm = Algorithm::Msfoa(parameters);
-        let mut rng = Seed(5).stream("test", 0);
-        let seeds = SearchSeeds::default();
-        let found = minimise(&Misleading, &algorithm, seeds, 20_000, &mut rng, &|_| ());
-        let cost = found.finalists[0].cost;
-        assert!(cost < 1e-9, "{cost}");
+    let costs = evaluator.evaluate(&rows);
+    for (child, &owner) in owners.iter().enumerate() {
+        let swarm = &mut swarms[owner];
+        if costs[child] < swarm.elite.cost {
+            swarm.see(&rows[child * dimension..][..dimension], costs[child]);
+            swarm.adapted.move_to(&swarm.best.position);
+        }
     }
 }

@@ -30,8 +30,6 @@ pub(super) struct Swarm {
     /// Evaluations since the last gain, and the cost then.
     pub(super) idle: usize,
     pub(super) idle_cost: f64,
-    /// Whether it learns from the costs of whole flies alone.
-    pub(super) learns_whole: bool,
 }
 
 impl Swarm {
@@ -49,7 +47,6 @@ impl Swarm {
             relaxed_cost: None,
             idle: 0,
             idle_cost: f64::INFINITY,
-            learns_whole: false,
         }
     }
 
