@@ -33,8 +33,6 @@ pub(crate) struct Guidance {
     pub(super) pace: f64,
     /// It may be faster than planned by this share.
     pub(super) faster_share: f64,
-    /// In wind, or slower by this share.
-    pub(super) slower_share: f64,
     pub(super) bank_rad: f64,
     /// Share of a coordinated turn that turns the wing.
     pub(super) turning_share: f64,
@@ -101,7 +99,6 @@ impl Guidance {
             law,
             pace: 1.0,
             faster_share: facts.behaviour.faster_share.value(version),
-            slower_share: facts.behaviour.slower_share.value(version),
             bank_rad: held(bank).map_or(planned_rad, f64::to_radians),
             turning_share,
             bank_lag_s: facts.behaviour.bank_lag_s.value(version),
@@ -109,36 +106,31 @@ impl Guidance {
         })
     }
 
-    /// The ways in which a version may turn onto the next leg, each to be judged: ArduPlane may be faster than planned, PX4
-    /// slower where the wind carries it, and each may turn to either side where its course is nearly opposite to the leg.
+    /// The ways in which a version may turn onto the next leg, each to be judged: ArduPlane may be faster than planned, and turn
+    /// to either side where its course is nearly opposite to the leg.
     pub(crate) fn variants(self, version: Option<Version>) -> impl Iterator<Item = Self> {
-        let off_pace = match self.law {
-            Law::L1(_) => Some(self.faster_share),
-            // In still air a slower one turns within.
-            Law::Npfg(_) => self.wind_mps.map(|_| -self.slower_share),
-        };
-        let off_pace = off_pace.filter(|share| share.abs() > 0.0);
-        let laws = match self.law {
+        let faster = 1.0 + self.faster_share;
+        let ways = match self.law {
             Law::L1(law) => {
                 let to = |side: f64| {
                     let side = Some(side);
-                    Some(Law::L1(L1 { side, ..law }))
+                    Law::L1(L1 { side, ..law })
                 };
-                [to(1.0), to(-1.0), None, None]
+                let ways = [
+                    (to(1.0), 1.0),
+                    (to(-1.0), 1.0),
+                    (to(1.0), faster),
+                    (to(-1.0), faster),
+                ];
+                let is_faster = self.faster_share > 0.0;
+                ways.map(|way| Some(way).filter(|way| is_faster || way.1 <= 1.0))
             }
-            Law::Npfg(npfg) => npfg.variants(version).map(|law| Some(Law::Npfg(law?))),
+            Law::Npfg(npfg) => npfg
+                .variants(version)
+                .map(|law| Some((Law::Npfg(law?), 1.0))),
         };
-        let paces = [Some(1.0), off_pace.map(|share| 1.0 + share)];
-        let ways = paces.into_iter().flatten().flat_map(move |pace| {
-            let laws = laws.into_iter().flatten();
-            laws.map(move |law| (law, pace))
-        });
+        let ways = ways.into_iter().flatten();
         ways.map(move |(law, pace)| Self { law, pace, ..self })
-    }
-
-    /// Slower than planned: how late that makes it is in other figures.
-    pub(super) fn is_slower(&self) -> bool {
-        self.pace < 1.0
     }
 
     /// The motion through the air, m/s, of a wing that makes a ground speed along a line.
@@ -391,7 +383,6 @@ mod tests {
             }),
             pace: 1.0,
             faster_share: behaviour.faster_share.value(None),
-            slower_share: 0.0,
             bank_rad: bank_deg.to_radians(),
             turning_share: behaviour.turning_share.value(None),
             bank_lag_s: behaviour.bank_lag_s.value(None),

@@ -157,7 +157,6 @@ mod tests {
             law: Law::Npfg(npfg),
             pace: 1.0,
             faster_share: 0.0,
-            slower_share: 0.0,
             bank_rad: (1.0_f64 / 1.2).acos(),
             turning_share: behaviour.turning_share.value(None),
             bank_lag_s: behaviour.bank_lag_s.value(None),

@@ -57,7 +57,7 @@ impl Pilot<'_> {
                 continue;
             }
             self.trajectory.late_s = before_s;
-            self.widen(knots, firsts, (&fixes, guidance.is_slower()));
+            self.widen(knots, firsts, &fixes);
             late_s = late_s.max(self.trajectory.late_s);
             let lines = self.leg_lines(knots, firsts)?;
             self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)?;
@@ -249,8 +249,8 @@ impl Pilot<'_> {
     }
 
     /// Widens the segments of the legs by the distance of the path from them, and makes them late by
-    /// the time that the path takes longer, unless it is flown slower.
-    fn widen(&mut self, knots: &[Knot], firsts: &[usize], (fixes, is_slower): (&[Fix], bool)) {
+    /// the time that the path takes longer.
+    fn widen(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) {
         let mut starts_s = None;
         let (before_s, mut late_s) = (self.trajectory.late_s, 0.0_f64);
         for (leg, pair) in knots.windows(2).enumerate() {
@@ -274,10 +274,7 @@ impl Pilot<'_> {
             let planned_s = planned.time_s(halfway(planned, pair));
             let shift_s = planned_s - flown.t_s;
             let starts_s = *starts_s.get_or_insert(shift_s);
-            late_s = match is_slower {
-                true => 0.0,
-                false => late_s.max(starts_s - shift_s),
-            };
+            late_s = late_s.max(starts_s - shift_s);
             let late_at_s = before_s + late_s;
             for segment in &mut self.trajectory.segments[first..end] {
                 if !segment.flown {
