@@ -31,8 +31,8 @@ pub(super) fn run(arguments: &args::Migrate) -> Result<(), Failure> {
         file.text
     };
     let target = match arguments.in_place {
-        // Of a link the file that it points to is replaced, not the link.
-        true => Some(fs::canonicalize(&arguments.spec).unwrap_or(arguments.spec.clone())),
+        // A symbolic link stays: the file that it points to is replaced.
+        true => Some(fs::canonicalize(&arguments.spec).unwrap_or_else(|_| arguments.spec.clone())),
         false => arguments.output.clone(),
     };
     match target {

@@ -9,7 +9,7 @@ use crate::spec::Vehicle;
 /// A float32, in centimetres or degrees, is the planned value within this share.
 const SAME_SHARE: f64 = 1e-4;
 
-/// The parameters of the greatest climb and descent, the least of each list holds: of a wing those on the wing.
+/// The parameters that limit climb and descent, on the wing where there is one; the least of each list holds.
 #[must_use]
 pub fn rate_parameters(mission: &VehicleMission) -> Option<[&'static [&'static str]; 2]> {
     let defaults = &mission.facts().defaults;

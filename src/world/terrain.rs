@@ -78,8 +78,7 @@ impl Terrain {
         }
     }
 
-    /// The height of the ground at planning coordinates. Flat ground needs no place, which takes ten times as long as
-    /// the rest.
+    /// The height of the ground at planning coordinates. Over flat ground no latitude and longitude is computed.
     ///
     /// # Errors
     /// Those of [`height`](Self::height).

@@ -21,6 +21,22 @@ fn plane(places: &[(f64, f64, f64)]) -> Vec<Row> {
     rows
 }
 
+/// What a review of a plane prints, with parameters next to its mission.
+fn plane_with(params: &str, mission: &str, flags: &[&str]) -> (String, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("m.waypoints"), mission).expect("written");
+    fs::write(folder.path().join("m.params"), params).expect("written");
+    let of_plane = [
+        "review",
+        "m.waypoints",
+        "--no-terrain",
+        "--airframe",
+        "plane",
+    ];
+    let output = sortie(folder.path(), &[&of_plane, flags].concat());
+    (text(&output.stdout), text(&output.stderr))
+}
+
 /// What a review writes with `--trajectories`, of the only vehicle; next to the mission stand parameters.
 fn trajectory(rows: &[Row], params: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
@@ -112,21 +128,8 @@ fn a_plane_of_px4_climbs_no_faster_than_its_target_rate() {
 #[test]
 fn a_plane_of_px4_climbs_no_faster_than_its_greatest_rate_either() {
     let rows = plane(&[(46.0, 8.046, 620.0), (46.0, 8.06, 620.0)]);
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("m.waypoints"), file_of(HOME, &rows)).expect("written");
     let held = "1\t1\tFW_T_CLMB_R_SP\t6.0\t9\n1\t1\tFW_T_CLMB_MAX\t2.5\t9\n";
-    fs::write(folder.path().join("m.params"), held).expect("written");
-    let flags = [
-        "review",
-        "m.waypoints",
-        "--no-terrain",
-        "--airframe",
-        "plane",
-        "--autopilot",
-        "px4",
-    ];
-    let output = sortie(folder.path(), &flags);
-    let (out, errors) = (text(&output.stdout), text(&output.stderr));
+    let (out, errors) = plane_with(held, &file_of(HOME, &rows), &["--autopilot", "px4"]);
     assert!(out.contains("FAIL m: climb speed"), "{out}");
     assert!(errors.contains("FW_T_CLMB_MAX 2.5"), "{errors}");
 }
@@ -159,13 +162,8 @@ fn a_circle_after_a_descent_is_come_to_at_its_rim_as_well() {
 /// With `TECS_PITCH_MAX` 8 ArduPlane flew 100 m below its line.
 #[test]
 fn a_plane_whose_parameters_keep_it_from_its_climb_is_not_judged() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
     let rows = "1\t0\t3\t22\t10\t0\t0\t0\t46.0\t8.003\t80\t1\n2\t0\t3\t16\t0\t0\t0\t0\t46.0\t8.02\t80\t1\n3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1\n";
-    put(
-        "m.waypoints",
-        &format!("QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n{rows}"),
-    );
+    let file = format!("QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n{rows}");
     for (held, why) in [
         (
             "TECS_PITCH_MAX,8",
@@ -179,16 +177,7 @@ fn a_plane_whose_parameters_keep_it_from_its_climb_is_not_judged() {
         ("Q_ENABLE,1", "Q_ENABLE 1 (judged: 0)"),
         ("TECS_PITCH_MAX,20\nTHR_MAX,75", ""),
     ] {
-        put("m.params", &format!("{held}\n"));
-        let flags = [
-            "review",
-            "m.waypoints",
-            "--no-terrain",
-            "--airframe",
-            "plane",
-        ];
-        let output = sortie(folder.path(), &flags);
-        let said = text(&output.stdout);
+        let (said, _) = plane_with(&format!("{held}\n"), &file, &[]);
         match why {
             "" => assert!(!said.contains("judged:"), "{said}"),
             why => assert!(said.contains(why), "{why}: {said}"),

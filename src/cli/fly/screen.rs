@@ -60,7 +60,7 @@ pub(super) struct Screen {
     table_due: Time,
     folder: PathBuf,
     /// Holds the folder of the records that was made anew in place of one that was moved or deleted.
-    held: Option<PlanLock>,
+    lock: Option<PlanLock>,
 }
 
 /// Between two tables for other terminals, milliseconds.
@@ -94,7 +94,7 @@ impl Screen {
             is_stuck: false,
             table_due: Time(0),
             folder: folder.to_owned(),
-            held: None,
+            lock: None,
         })
     }
 
@@ -184,7 +184,7 @@ impl Operator for Screen {
             self.table_due = now + TABLE_MS;
             socket.set_table(fleet.status(now).iter().map(show::line).collect());
             if socket.restore(&self.folder) {
-                self.held = runs::try_lock(&self.folder, "fly").ok().flatten();
+                self.lock = runs::try_lock(&self.folder, "fly").ok().flatten();
             }
         }
         self.shown()

@@ -76,9 +76,9 @@ pub(crate) fn lock(runs: &Path, command: &str) -> Result<PlanLock, Failure> {
 /// # Errors
 /// It is flown, or a flight by it broke off.
 pub(crate) fn lock_for_flight(out: &Path) -> Result<PlanLock, Failure> {
-    let held = lock(&folder(out), "fly")?;
+    let lock = lock(&folder(out), "fly")?;
     refuse_broken_off(out)?;
-    Ok(held)
+    Ok(lock)
 }
 
 /// The same as [`lock`]; none if another one has it.

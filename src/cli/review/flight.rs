@@ -37,8 +37,8 @@ pub(crate) fn run(
         let message = format!("review judges one flight at a time, got {}", flights.len());
         return Err(Failure::new(Failure::USAGE, message));
     };
-    let asks_for_svg = arguments.svg.is_some() || arguments.trajectories.is_some();
-    if arguments.limits != args::Limits::default() || asks_for_svg {
+    let has_mission_outputs = arguments.svg.is_some() || arguments.trajectories.is_some();
+    if arguments.limits != args::Limits::default() || has_mission_outputs {
         let message = "a flight is judged by the limits of its spec, and has a page (--html)";
         return Err(Failure::new(Failure::USAGE, message));
     }

@@ -51,7 +51,7 @@ pub(super) fn without_conflict(conflicts: &mut Conflicts<'_>) -> Vec<Choice> {
     let mut found: Vec<Choice> = Vec::new();
     let mut least = f64::INFINITY;
     for rule in rules(conflicts.can_wait()) {
-        if let Some((cost, choice)) = min_bent(conflicts, &order, rule, least) {
+        if let Some((cost, choice)) = smallest_bend(conflicts, &order, rule, least) {
             least = cost;
             found.insert(0, choice);
         }
@@ -105,7 +105,7 @@ fn by_direction(conflicts: &Conflicts<'_>) -> Vec<usize> {
 
 /// The choice of a rule with the least bend at which no two vehicles are in conflict, and its cost,
 /// if that is below one that is known.
-fn min_bent(
+fn smallest_bend(
     conflicts: &mut Conflicts<'_>,
     rank: &[usize],
     rule: Rule,

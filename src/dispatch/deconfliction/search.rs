@@ -121,7 +121,7 @@ impl<'s, 'a> Search<'s, 'a> {
                 .collect();
             choice[vehicle] = match self.free(vehicle, &others) {
                 Some(variant) => variant,
-                None => self.min_in_conflict(vehicle, &others, None)?,
+                None => self.fewest_conflicts(vehicle, &others, None)?,
             };
         }
         Some(choice)
@@ -147,7 +147,7 @@ impl<'s, 'a> Search<'s, 'a> {
 
     /// The variant with the least weight of conflicts, and of equals the cheapest; not the
     /// one that is `left`.
-    fn min_in_conflict(
+    fn fewest_conflicts(
         &mut self,
         vehicle: usize,
         others: &[Flown],
@@ -193,7 +193,7 @@ impl<'s, 'a> Search<'s, 'a> {
             };
             self.conflicts.add_random(vehicle, more, &mut self.rng);
             let others = others(choice, &[vehicle]);
-            if let Some(found) = self.min_in_conflict(vehicle, &others, Some(choice[vehicle])) {
+            if let Some(found) = self.fewest_conflicts(vehicle, &others, Some(choice[vehicle])) {
                 choice[vehicle] = found;
                 pairs.retain(|&(a, b)| a != vehicle && b != vehicle);
                 let own = (vehicle, found);

@@ -321,8 +321,8 @@ impl Onboard {
     pub(super) fn returns_elsewhere(&self, t_s: f64) -> Option<String> {
         let home = self.return_targets.moved.as_ref();
         let rally = self.return_targets.list(1, t_s);
-        let return_targets = home.map(|(text, _)| text.as_str()).or(rally);
-        let why = return_targets.map(|why| format!("{why}: where it would return to is not known"));
+        let changed = home.map(|(text, _)| text.as_str()).or(rally);
+        let why = changed.map(|why| format!("{why}: where it would return to is not known"));
         why.or_else(|| self.returns_otherwise())
     }
 

@@ -202,12 +202,7 @@ impl FlightHandoff {
             notice: Notice {
                 links,
                 speedup,
-                t0_unix_ms: None,
-                boot: None,
-                flight: String::new(),
-                record: String::new(),
-                ended: BTreeMap::new(),
-                is_simulated: false,
+                ..Notice::default()
             },
         }
     }

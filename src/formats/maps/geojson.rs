@@ -37,24 +37,24 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         features.push(feature(polygon(ring(zone.outline())), &heights(zone)));
     }
     for (vehicle, sites) in spec.vehicles.iter().zip(&world.sites) {
-        for (kind, sites) in [
+        for (kind, site) in [
             ("home", sites.home),
             ("start", sites.start),
             ("goal", sites.goal),
         ] {
-            let coordinates = position(MapPoint::of(world, sites));
+            let coordinates = position(MapPoint::of(world, site));
             features.push(feature(
                 GeometryValue::Point { coordinates },
-                &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(sites) }),
+                &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(site) }),
             ));
         }
     }
     for (vehicle, sites) in spec.vehicles.iter().zip(&world.sites) {
-        for (stop, sites) in vehicle.stops.iter().zip(&sites.stops) {
-            let coordinates = position(MapPoint::of(world, *sites));
+        for (stop, site) in vehicle.stops.iter().zip(&sites.stops) {
+            let coordinates = position(MapPoint::of(world, *site));
             let mut properties = json!({
                 "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
-                "amsl_m": metres(*sites), "hold_s": stop.hold_s,
+                "amsl_m": metres(*site), "hold_s": stop.hold_s,
             });
             if !stop.actions.is_empty() {
                 let actions = stop.actions.iter().map(StopAction::key);

@@ -44,16 +44,16 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         for (_, path) in paths.iter().filter(|(id, _)| *id == vehicle.id) {
             kml.path(&vehicle.id, index % COLOURS.len(), world, path);
         }
-        for (name, sites) in [
+        for (name, site) in [
             ("home", sites.home),
             ("start", sites.start),
             ("goal", sites.goal),
         ] {
-            let point = MapPoint::of(world, sites);
+            let point = MapPoint::of(world, site);
             kml.placemark(&format!("{} {name}", vehicle.id), point);
         }
-        for (stop, sites) in vehicle.stops.iter().zip(&sites.stops) {
-            let point = MapPoint::of(world, *sites);
+        for (stop, site) in vehicle.stops.iter().zip(&sites.stops) {
+            let point = MapPoint::of(world, *site);
             let actions: Vec<&str> = stop.actions.iter().map(StopAction::key).collect();
             let done = match actions.is_empty() {
                 true => String::new(),

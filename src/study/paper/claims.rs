@@ -8,7 +8,7 @@ use super::results::{INTERPRETATIONS, Results};
 use crate::study::document::{Table, yes_no};
 use crate::study::stats::Summary;
 
-/// Indices in the seven, of [`PUBLISHED`] and of [`Results::contestants`] alike.
+/// Indices of contestants, of [`PUBLISHED`] and of [`Results::contestants`] alike.
 const MSFOA: usize = 0;
 const FOA: usize = 1;
 const ABC: usize = 4;

@@ -80,7 +80,7 @@ fn legs(flight: &Flight) -> BTreeMap<usize, Leg> {
 }
 
 /// The leg that the map of ArduPilot bends most: how long it is, and by how much it bends, metres.
-pub(crate) fn max_bent(vehicle: &Vehicle, flight: &Flight, world: &World) -> (f64, f64) {
+pub(crate) fn greatest_bend(vehicle: &Vehicle, flight: &Flight, world: &World) -> (f64, f64) {
     let legs = match vehicle.autopilot {
         Autopilot::ArduPilot => legs(flight),
         Autopilot::Px4 => BTreeMap::new(),

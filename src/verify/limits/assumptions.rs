@@ -18,7 +18,7 @@ pub(crate) fn bends<'a>(
     world: &World,
 ) -> Option<String> {
     let (long_m, bend_m) = flown
-        .map(|(vehicle, flight)| bent_map::max_bent(vehicle, flight, world))
+        .map(|(vehicle, flight)| bent_map::greatest_bend(vehicle, flight, world))
         .fold(
             (0.0, 0.0),
             |most: (f64, f64), of| if of.1 > most.1 { of } else { most },

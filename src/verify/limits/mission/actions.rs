@@ -184,8 +184,8 @@ impl MissionCheck<'_> {
         let rests = rests.map(|rest| (rest.rows.1, rest.point));
         let mut passed: Vec<(usize, PlanPoint)> = marks.chain(rests).collect();
         passed.sort_by_key(|(row, _)| *row);
-        let near = |sites: PlanPoint| -> Vec<bool> {
-            let away = |of: &(usize, PlanPoint)| of.1.distance_m(sites);
+        let near = |site: PlanPoint| -> Vec<bool> {
+            let away = |of: &(usize, PlanPoint)| of.1.distance_m(site);
             let within_m = passed.iter().map(away).fold(f64::INFINITY, f64::min) + SAME_M;
             passed.iter().map(|of| away(of) <= within_m).collect()
         };

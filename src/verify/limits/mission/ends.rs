@@ -108,12 +108,12 @@ impl MissionCheck<'_> {
     /// The first position against the start, the last against the goal.
     pub(crate) fn route(&self) -> Vec<Margin> {
         let tolerance_m = self.spec.mission.tolerance_m;
-        let near = |marks: &[Mark], sites: PlanPoint, limit: Limit| {
+        let near = |marks: &[Mark], site: PlanPoint, limit: Limit| {
             let mut worst = Worst::default();
             // The nearest of the candidates counts.
             let best = marks
                 .iter()
-                .map(|mark| (mark.point.distance_m(sites), mark))
+                .map(|mark| (mark.point.distance_m(site), mark))
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             match best {
                 Some((away_m, mark)) => {
@@ -172,7 +172,7 @@ impl MissionCheck<'_> {
     pub(crate) fn finish(&self) -> Option<Margin> {
         let end = self.flight.end?;
         let last = self.flight.segments.last()?;
-        let (sites, lands) = match self.vehicle.finish {
+        let (site, lands) = match self.vehicle.finish {
             Finish::Land => (self.sites.landing, true),
             Finish::Return => (self.sites.home.at, true),
             Finish::Loiter => (self.sites.goal.at, false),
@@ -193,7 +193,7 @@ impl MissionCheck<'_> {
         let mut worst = Worst::default();
         let drift_m = self.flight.landing_drift_m;
         worst.at_most(
-            at.distance_m(sites) + drift_m,
+            at.distance_m(site) + drift_m,
             self.spec.mission.tolerance_m,
             || last.moment(&self.world.frame, 1.0),
         );
