@@ -19,9 +19,11 @@ pub(super) type Flown = (usize, usize);
 /// The variant of each vehicle.
 pub(super) type Choice = Vec<usize>;
 
-/// What flying one variant counts for, where judging one pair counts for one: a wing is steered step by step.
+/// What flying one variant counts for, where judging one pair counts for one: a wing is steered step by step, and there
+/// is much beside its legs to be judged.
 const FLYING: usize = 20;
-const FLYING_A_WING: usize = 400;
+const FLYING_A_WING: usize = 1200;
+const JUDGING_A_WING: usize = 850;
 /// Most flights that are remembered: the others are flown again when they are needed.
 const MAX_FLIGHTS: usize = 2000;
 
@@ -168,6 +170,8 @@ impl<'a> Conflicts<'a> {
         new.retain(|flown| !self.flies.contains_key(flown));
         self.fly(&new);
         let this = &*self;
+        let wings = (new.iter()).filter(|(vehicle, _)| self.fleet[*vehicle].has_wing());
+        let work = JUDGING_A_WING * wings.count();
         let judged: Vec<(Flown, bool)> = (new.into_par_iter())
             .map(|flown| {
                 let flight = this.flights.get(&flown);
@@ -176,6 +180,7 @@ impl<'a> Conflicts<'a> {
                 (flown, flight.is_some_and(keeps))
             })
             .collect();
+        self.work += work;
         self.flies.extend(judged);
     }
 

@@ -60,6 +60,14 @@ pub(super) struct L1 {
     side: Option<f64>,
 }
 
+/// A way that was flown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Way {
+    pub(crate) fixes: Vec<Fix>,
+    /// Somewhere on it the wing might have turned to the other side.
+    turns_either_way: bool,
+}
+
 /// A place on the way, and the leg that it is flown to follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fix {
@@ -79,6 +87,7 @@ struct Wing {
     heading_rad: f64,
     bank_rad: f64,
     integral_rad: f64,
+    turns_either_way: bool,
     /// Over the ground, as a unit vector and a speed.
     motion: ([f64; 2], f64),
 }
@@ -106,31 +115,51 @@ impl Guidance {
         })
     }
 
-    /// The ways in which a version may turn onto the next leg, each to be judged: ArduPlane may be faster than planned, and turn
-    /// to either side where its course is nearly opposite to the leg.
-    pub(crate) fn variants(self, version: Option<Version>) -> impl Iterator<Item = Self> {
-        let faster = 1.0 + self.faster_share;
-        let ways = match self.law {
-            Law::L1(law) => {
-                let to = |side: f64| {
-                    let side = Some(side);
-                    Law::L1(L1 { side, ..law })
-                };
-                let ways = [
-                    (to(1.0), 1.0),
-                    (to(-1.0), 1.0),
-                    (to(1.0), faster),
-                    (to(-1.0), faster),
-                ];
-                let is_faster = self.faster_share > 0.0;
-                ways.map(|way| Some(way).filter(|way| is_faster || way.1 <= 1.0))
+    /// The ways in which a version may fly along legs, each to be judged: to either side where the course is nearly opposite
+    /// to the next leg, and faster than planned (ArduPlane) or onto the next leg earlier (PX4).
+    pub(crate) fn ways(self, version: Option<Version>, fly: impl Fn(Self) -> Way) -> Vec<Vec<Fix>> {
+        let mut ways: Vec<Vec<Fix>> = Vec::new();
+        for left in self.to_the_left(version) {
+            let way = fly(left);
+            let other = way.turns_either_way.then(|| fly(left.to_the_right()));
+            for way in std::iter::once(way).chain(other) {
+                if ways.last() != Some(&way.fixes) {
+                    ways.push(way.fixes);
+                }
             }
-            Law::Npfg(npfg) => npfg
-                .variants(version)
-                .map(|law| Some((Law::Npfg(law?), 1.0))),
+        }
+        ways
+    }
+
+    /// The variants of a version, those that turn to the left where they may turn either way.
+    pub(super) fn to_the_left(self, version: Option<Version>) -> Vec<Self> {
+        let faster = 1.0 + self.faster_share;
+        match self.law {
+            Law::L1(law) => {
+                let law = Law::L1(L1 {
+                    side: Some(1.0),
+                    ..law
+                });
+                let is_faster = self.faster_share > 0.0;
+                let paces = std::iter::once(1.0).chain(is_faster.then_some(faster));
+                paces.map(|pace| Self { law, pace, ..self }).collect()
+            }
+            Law::Npfg(law) => {
+                let laws = law.variants(version).map(Law::Npfg);
+                laws.map(|law| Self { law, ..self }).collect()
+            }
+        }
+    }
+
+    pub(super) fn to_the_right(self) -> Self {
+        let law = match self.law {
+            Law::L1(law) => Law::L1(L1 {
+                side: Some(-1.0),
+                ..law
+            }),
+            Law::Npfg(law) => Law::Npfg(law.to_the_right()),
         };
-        let ways = ways.into_iter().flatten();
-        ways.map(move |(law, pace)| Self { law, pace, ..self })
+        Self { law, ..self }
     }
 
     /// The motion through the air, m/s, of a wing that makes a ground speed along a line.
@@ -172,7 +201,7 @@ impl Guidance {
 
     /// The way along knots, begun at the first on the course of its leg, at a speed over the
     /// ground on each leg; ends past the last knot, or when it takes too long.
-    pub(crate) fn follow(&self, knots: &[Knot], grounds_mps: &[f64]) -> Vec<Fix> {
+    pub(crate) fn follow(&self, knots: &[Knot], grounds_mps: &[f64]) -> Way {
         let lines = lines(knots);
         let turns: Vec<f64> = lines
             .windows(2)
@@ -183,7 +212,7 @@ impl Guidance {
                 let wing = self.on_line(first, first.from, grounds_mps[0]);
                 self.fly((wing, &lines), (&turns, knots), grounds_mps)
             }
-            None => Vec::new(),
+            None => Way::default(),
         }
     }
 
@@ -195,10 +224,10 @@ impl Guidance {
         (along, turn_rad): (Line, f64),
         knots: &[Knot],
         grounds_mps: &[f64],
-    ) -> Vec<Fix> {
+    ) -> Way {
         let mut all = lines(knots);
         let (Some(first), Some(&ground_mps)) = (knots.first(), grounds_mps.first()) else {
-            return Vec::new();
+            return Way::default();
         };
         let turns = std::iter::once(turn_rad);
         let turns = turns.chain(all.windows(2).map(|pair| pair[0].turn_rad(&pair[1])));
@@ -212,12 +241,15 @@ impl Guidance {
             .collect();
         let mut knots_after = vec![*first];
         knots_after.extend(knots);
-        let fixes = self.fly((wing, &all), (&turns, &knots_after), &grounds_mps);
-        let turned = fixes.into_iter().filter_map(|fix| {
+        let way = self.fly((wing, &all), (&turns, &knots_after), &grounds_mps);
+        let turned = way.fixes.into_iter().filter_map(|fix| {
             let leg = fix.leg.checked_sub(1)?;
             Some(Fix { leg, ..fix })
         });
-        turned.collect()
+        Way {
+            fixes: turned.collect(),
+            ..way
+        }
     }
 
     /// A wing on the course of a line, at a place on it.
@@ -232,6 +264,7 @@ impl Guidance {
             heading_rad,
             bank_rad: 0.0,
             integral_rad: 0.0,
+            turns_either_way: false,
             motion: self.over_ground(heading_rad, self.pace * self.air_mps(line, ground_mps)),
         }
     }
@@ -242,7 +275,7 @@ impl Guidance {
         (mut wing, lines): (Wing, &[Line]),
         (turns_rad, knots): (&[f64], &[Knot]),
         grounds_mps: &[f64],
-    ) -> Vec<Fix> {
+    ) -> Way {
         let min_s = lines.iter().zip(grounds_mps);
         let min_s: f64 = min_s.map(|(line, speed)| line.length_m / speed).sum();
         // What is the same all along a leg: how far before its end the next is turned onto, and the speed through the air.
@@ -270,10 +303,8 @@ impl Guidance {
             }
             wing.step(self, line, (air_mps, bank_share));
             t_s += STEP_S;
-            let cross_track_m = line.cross_track_m(wing.at);
-            let before = leg
-                .checked_sub(1)
-                .map(|before| lines[before].cross_track_m(wing.at));
+            let own_m = line.cross_track_m(wing.at);
+            let before = leg.checked_sub(1).map(|before| &lines[before]);
             fixes.push(Fix {
                 leg,
                 at: EastNorth {
@@ -281,10 +312,14 @@ impl Guidance {
                     north_m: wing.at[1],
                 },
                 t_s,
-                cross_track_m: before.map_or(cross_track_m, |other| other.min(cross_track_m)),
+                cross_track_m: before
+                    .map_or(own_m, |other| other.cross_track_or_less_m(own_m, wing.at)),
             });
         }
-        fixes
+        Way {
+            fixes,
+            turns_either_way: wing.turns_either_way,
+        }
     }
 }
 
@@ -333,6 +368,7 @@ impl L1 {
         to_leg_rad += wing.integral_rad;
         let mut off_rad = line.right(velocity).atan2(line.ahead(velocity));
         if let Some(side) = self.side.filter(|_| off_rad.abs() > EITHER_WAY_RAD) {
+            wing.turns_either_way = true;
             off_rad = side * off_rad.abs();
         }
         let angle_rad = (to_leg_rad + off_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
@@ -347,11 +383,15 @@ impl Wing {
     fn step(&mut self, guidance: &Guidance, line: &Line, (air_mps, bank_share): (f64, f64)) {
         let demand_mps2 = match guidance.law {
             Law::L1(law) => law.demand_mps2(self, line),
-            Law::Npfg(law) => law.demand_mps2(
-                (line, self.at),
-                (self.heading_rad, air_mps, self.motion.1),
-                guidance.wind_mps.unwrap_or_default(),
-            ),
+            Law::Npfg(law) => {
+                let (demand_mps2, turns_either_way) = law.demand_mps2(
+                    (line, self.at),
+                    (self.heading_rad, air_mps, self.motion.1),
+                    guidance.wind_mps.unwrap_or_default(),
+                );
+                self.turns_either_way |= turns_either_way;
+                demand_mps2
+            }
         };
         let demand_rad = (demand_mps2 / GRAVITY_MPS2).atan();
         let demand_rad = demand_rad.clamp(-guidance.bank_rad, guidance.bank_rad);
@@ -418,7 +458,7 @@ mod tests {
     fn overshoot_m(guidance: &Guidance, turn_deg: f64, speed_mps: f64, amsl_m: f64) -> f64 {
         let knots = corner(turn_deg, amsl_m);
         let next = Line::new(knots[1].at, knots[2].at);
-        let fixes = guidance.follow(&knots, &[speed_mps, speed_mps]);
+        let fixes = guidance.follow(&knots, &[speed_mps, speed_mps]).fixes;
         let after = fixes.iter().map(|fix| [fix.at.east_m, fix.at.north_m]);
         let after = after.filter(|at| next.along(*at) > 0.0);
         after
@@ -478,8 +518,9 @@ mod tests {
     fn a_wing_that_turns_back_is_judged_on_both_sides() {
         for turn_deg in [179.999, 176.0, 150.0] {
             let knots = corner(turn_deg, 440.0);
-            let sides = guidance(33.56, 50.0).variants(None).map(|guidance| {
-                let fixes = guidance.follow(&knots, &[18.0, 18.0]);
+            let ways =
+                guidance(33.56, 50.0).ways(None, |guidance| guidance.follow(&knots, &[18.0, 18.0]));
+            let sides = ways.iter().map(|fixes| {
                 let north_m = fixes.iter().map(|fix| fix.at.north_m);
                 let (low_m, high_m) = north_m.fold((0.0_f64, 0.0_f64), |(low, high), north| {
                     (low.min(north), high.max(north))
@@ -502,7 +543,7 @@ mod tests {
         let overshoot = |guidance: &Guidance, turn_deg: f64, grounds_mps: [f64; 2]| {
             let knots = corner(turn_deg, 440.0);
             let next = Line::new(knots[1].at, knots[2].at);
-            let fixes = guidance.follow(&knots, &grounds_mps);
+            let fixes = guidance.follow(&knots, &grounds_mps).fixes;
             let after = fixes.iter().map(|fix| [fix.at.east_m, fix.at.north_m]);
             let after = after.filter(|at| next.along(*at) > 0.0);
             after
@@ -524,7 +565,7 @@ mod tests {
         );
         assert!((tail_m - mirrored_m).abs() < 1e-6, "{tail_m} {mirrored_m}");
         let knots = [knot(0.0, 0.0, 440.0), knot(2000.0, 0.0, 440.0)];
-        let fixes = windy([0.0, 5.0]).follow(&knots, &[across_mps]);
+        let fixes = windy([0.0, 5.0]).follow(&knots, &[across_mps]).fixes;
         assert!(fixes.iter().all(|fix| fix.cross_track_m < 1.0));
     }
 
@@ -537,9 +578,32 @@ mod tests {
             let left = overshoot_m(&guidance, turn_deg, speed_mps, 300.0);
             let right = overshoot_m(&guidance, -turn_deg, speed_mps, 300.0);
             prop_assert!((left - right).abs() < 1e-6);
-            let fixes = guidance.follow(&corner(turn_deg, 300.0), &[speed_mps, speed_mps]);
+            let fixes = guidance.follow(&corner(turn_deg, 300.0), &[speed_mps, speed_mps]).fixes;
             let last = fixes.last().copied();
             prop_assert!(last.is_some_and(|fix| fix.leg == 1 && fix.cross_track_m < 10.0), "{last:?}");
+        }
+
+        #[test]
+        fn the_ways_are_those_of_both_sides_and_paces_flown_in_turn(
+            turns_deg in prop::collection::vec(-180.0..180.0_f64, 1..4), is_l1: bool
+        ) {
+            let mut knots = vec![knot(-900.0, 0.0, 440.0), knot(0.0, 0.0, 440.0)];
+            let mut course_rad = 0.0_f64;
+            for turn_deg in turns_deg {
+                course_rad += turn_deg.to_radians();
+                let last = knots[knots.len() - 1].at;
+                let (sin, cos) = course_rad.sin_cos();
+                knots.push(knot(last.east_m + 500.0 * cos, last.north_m + 500.0 * sin, 440.0));
+            }
+            let speeds_mps = vec![18.0; knots.len() - 1];
+            let guidance = if is_l1 { guidance(33.56, 50.0) } else { crate::verify::execute::wing::npfg::tests::guidance() };
+            let follow = |way: Guidance| way.follow(&knots, &speeds_mps);
+            let mut all: Vec<Vec<Fix>> = Vec::new();
+            for left in guidance.to_the_left(None) {
+                all.extend([left, left.to_the_right()].map(|way| follow(way).fixes));
+            }
+            all.dedup();
+            prop_assert_eq!(guidance.ways(None, follow), all);
         }
 
         #[test]
@@ -551,7 +615,7 @@ mod tests {
                 knots.push(knot(east_m, 0.0, 100.0));
             }
             let speeds = vec![18.0; lengths.len()];
-            let fixes = guidance(33.0, 50.0).follow(&knots, &speeds);
+            let fixes = guidance(33.0, 50.0).follow(&knots, &speeds).fixes;
             prop_assert!(fixes.iter().all(|fix| fix.cross_track_m < 1.0 && fix.at.north_m.abs() < 1e-9));
             prop_assert!(fixes.last().is_some_and(|fix| (fix.at.east_m - east_m).abs() < 1.0));
         }

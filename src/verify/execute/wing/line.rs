@@ -70,6 +70,18 @@ impl Line {
         }
     }
 
+    /// That distance, or another one if that is less.
+    pub(super) fn cross_track_or_less_m(&self, other_m: f64, at: [f64; 2]) -> f64 {
+        let gone = self.gone(at);
+        let along_m = self.ahead(gone);
+        let over_m = along_m - along_m.clamp(0.0, self.length_m);
+        // The root only where it may decide.
+        if self.right(gone).abs().max(over_m.abs()) >= other_m {
+            return other_m;
+        }
+        self.cross_track_m(at).min(other_m)
+    }
+
     /// Whether its end is within a distance of a place.
     pub(super) fn ends_within(&self, distance_m: f64, at: [f64; 2]) -> bool {
         let (east_m, north_m) = (at[0] - self.to.east_m, at[1] - self.to.north_m);
@@ -81,5 +93,23 @@ impl Line {
     /// Change of course to the next leg, radians.
     pub(super) fn turn_rad(&self, next: &Self) -> f64 {
         self.right(next.unit).atan2(self.ahead(next.unit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_distance_or_less_is_the_lesser_of_both(
+            to in prop::array::uniform2(-9.0..9.0_f64), at in prop::array::uniform2(-9.0..9.0_f64), other_m in 0.0..9.0_f64
+        ) {
+            let place = |[east_m, north_m]: [f64; 2]| EastNorth { east_m, north_m };
+            let line = Line::new(place([0.0, 0.0]), place(to));
+            let least_m = line.cross_track_m(at).min(other_m);
+            prop_assert_eq!(line.cross_track_or_less_m(other_m, at), least_m);
+        }
     }
 }

@@ -50,23 +50,19 @@ impl Npfg {
         })
     }
 
-    /// The ways in which this version may turn, and take the next leg: 1.17 was flown, later ones may take it earlier.
-    /// Without a version it may be any of them.
-    pub(super) fn variants(self, version: Option<Version>) -> [Option<Self>; 4] {
+    /// The ways in which this version may take the next leg, turning to the left where it may turn either way: 1.17 was
+    /// flown, later ones may take it earlier. Without a version it may be any of them.
+    pub(super) fn variants(self, version: Option<Version>) -> impl Iterator<Item = Self> {
         let is_early = version.is_none_or(|version| version >= SWITCHES_EARLY);
-        let way = |early: bool, side: f64| {
-            (!early || is_early).then_some(Self {
-                early,
-                side,
-                ..self
-            })
+        let earlier = Self {
+            early: true,
+            ..self
         };
-        [
-            way(false, 1.0),
-            way(false, -1.0),
-            way(true, 1.0),
-            way(true, -1.0),
-        ]
+        std::iter::once(self).chain(is_early.then_some(earlier))
+    }
+
+    pub(super) fn to_the_right(self) -> Self {
+        Self { side: -1.0, ..self }
     }
 
     /// So far before a waypoint the next leg is turned onto, metres.
@@ -87,13 +83,13 @@ impl Npfg {
     }
 
     /// The acceleration across that it asks for, m/s^2, to the left, of a wing at a place that heads `heading_rad` through
-    /// the air with `air_mps` and makes `ground_mps` over the ground.
+    /// the air with `air_mps` and makes `ground_mps` over the ground; and whether it might turn to the other side.
     pub(super) fn demand_mps2(
         &self,
         (line, at): (&Line, [f64; 2]),
         (heading_rad, air_mps, ground_mps): (f64, f64, f64),
         [east_mps, north_mps]: [f64; 2],
-    ) -> f64 {
+    ) -> (f64, bool) {
         let gone = line.gone(at);
         let off_m = gone[0].hypot(gone[1]);
         let mut bearing = line.unit;
@@ -123,16 +119,18 @@ impl Npfg {
         let (sin, cos) = heading_rad.sin_cos();
         let mut error_rad =
             (cos * heading[1] - sin * heading[0]).atan2(cos * heading[0] + sin * heading[1]);
-        if error_rad.abs() > EITHER_WAY_RAD {
+        let is_either_way = error_rad.abs() > EITHER_WAY_RAD;
+        if is_either_way {
             error_rad = self.side * error_rad.abs();
         }
-        HEADING_GAIN * air_mps * error_rad.clamp(-FRAC_PI_2, FRAC_PI_2).sin()
+        let demand_mps2 = HEADING_GAIN * air_mps * error_rad.clamp(-FRAC_PI_2, FRAC_PI_2).sin();
+        (demand_mps2, is_either_way)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::l1::{Guidance, Law};
+pub(super) mod tests {
+    use super::super::l1::{Fix, Guidance, Law};
     use super::Npfg;
     use crate::autopilot::{Airframe, Autopilot, Version, facts};
     use crate::geodesy::EastNorth;
@@ -144,7 +142,7 @@ mod tests {
         minor: 17,
     };
 
-    fn guidance() -> Guidance {
+    pub(in crate::verify::execute::wing) fn guidance() -> Guidance {
         let behaviour = facts(Autopilot::Px4, Airframe::Plane).behaviour;
         let npfg = Npfg {
             time_s: 7.0,
@@ -207,7 +205,7 @@ mod tests {
 
     #[test]
     fn corners_are_flown_as_a_simulated_plane_flew_them() {
-        let fixes = guidance().follow(&knots(&CORNERS), &[13.4; 6]);
+        let fixes = guidance().follow(&knots(&CORNERS), &[13.4; 6]).fixes;
         let mut furthest_m = 0.0_f64;
         for (east_m, north_m) in FLOWN {
             let flown = EastNorth { east_m, north_m };
@@ -227,28 +225,23 @@ mod tests {
 
     #[test]
     fn a_later_version_or_an_unknown_one_may_turn_earlier_and_both_ways_are_judged() {
-        let count = |version| guidance().variants(version).count();
-        assert_eq!(count(None), 4);
-        assert_eq!(count(Some(V1_17)), 2);
-        let later = Version { minor: 18, ..V1_17 };
-        let ways: Vec<_> = guidance().variants(Some(later)).collect();
-        assert_eq!(ways.len(), 4);
         let knots = knots(&[(0.0, 0.0), (600.0, 0.0), (600.0, 600.0)]);
-        let furthest_m = |way: &Guidance| {
-            let fixes = way.follow(&knots, &[13.4; 2]);
-            fixes.iter().map(|fix| fix.at.east_m).fold(0.0, f64::max)
-        };
-        let (late_m, early_m) = (furthest_m(&ways[0]), furthest_m(&ways[2]));
+        let ways = |version| guidance().ways(version, |way| way.follow(&knots, &[13.4; 2]));
+        assert_eq!(ways(None).len(), 2);
+        assert_eq!(ways(Some(V1_17)).len(), 1);
+        let later = ways(Some(Version { minor: 18, ..V1_17 }));
+        assert_eq!(later.len(), 2);
+        let furthest_m = |fixes: &[Fix]| fixes.iter().map(|fix| fix.at.east_m).fold(0.0, f64::max);
+        let (late_m, early_m) = (furthest_m(&later[0]), furthest_m(&later[1]));
         assert!(late_m > 625.0 && early_m < 615.0, "{late_m} {early_m}");
     }
 
     #[test]
     fn a_plane_that_turns_back_is_judged_turning_either_way() {
         let knots = knots(&[(0.0, 0.0), (0.0, 766.0), (-30.0, 600.0)]);
-        let ways: Vec<_> = guidance().variants(Some(V1_17)).collect();
+        let ways = guidance().ways(Some(V1_17), |way| way.follow(&knots, &[12.3, 12.3]));
         let [left, right] = [0, 1].map(|way: usize| {
-            let fixes = ways[way].follow(&knots, &[12.3, 12.3]);
-            let east_m = fixes.iter().map(|fix| fix.at.east_m);
+            let east_m = ways[way].iter().map(|fix| fix.at.east_m);
             east_m.fold((0.0_f64, 0.0_f64), |(low, high), at| {
                 (low.min(at), high.max(at))
             })
@@ -263,10 +256,12 @@ mod tests {
             wind_mps: Some([3.0, -5.0]),
             ..guidance()
         };
-        let fixes = windy.follow(
-            &knots(&[(0.0, 0.0), (800.0, 300.0), (1600.0, 600.0)]),
-            &[12.0; 2],
-        );
+        let fixes = windy
+            .follow(
+                &knots(&[(0.0, 0.0), (800.0, 300.0), (1600.0, 600.0)]),
+                &[12.0; 2],
+            )
+            .fixes;
         // The last step may lead past the end.
         let (_, on_legs) = fixes.split_last().expect("a way");
         assert!(on_legs.iter().all(|fix| fix.cross_track_m < 0.5));

@@ -50,18 +50,13 @@ impl Pilot<'_> {
         }
         let before_s = self.trajectory.late_s;
         let mut late_s = before_s;
-        let mut known = Vec::new();
-        for guidance in guidance.variants(self.vehicle.autopilot_version) {
-            let fixes = guidance.follow(knots, grounds_mps);
-            if fixes == known {
-                continue;
-            }
+        let version = self.vehicle.autopilot_version;
+        for fixes in guidance.ways(version, |way| way.follow(knots, grounds_mps)) {
             self.trajectory.late_s = before_s;
             self.widen(knots, firsts, &fixes);
             late_s = late_s.max(self.trajectory.late_s);
             let lines = self.leg_lines(knots, firsts)?;
             self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)?;
-            known = fixes;
         }
         self.trajectory.late_s = late_s;
         Ok(())
@@ -92,19 +87,14 @@ impl Pilot<'_> {
         for step in -steps..=steps {
             let off_rad = max_rad * f64::from(step) / f64::from(steps);
             let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
-            let mut known = Vec::new();
-            for guidance in guidance.variants(self.vehicle.autopilot_version) {
-                let fixes = guidance.arrive(
-                    (Line::new(from, place.at), turn_rad),
-                    &knots[on..=end],
-                    &grounds_mps[on..end],
-                );
-                if fixes == known {
-                    continue;
-                }
+            let along = Line::new(from, place.at);
+            let (knots_on, grounds_mps) = (&knots[on..=end], &grounds_mps[on..end]);
+            let ways = guidance.ways(self.vehicle.autopilot_version, |way| {
+                way.arrive((along, turn_rad), knots_on, grounds_mps)
+            });
+            for fixes in ways {
                 self.widen_by(&firsts[on..], &fixes);
-                self.lay_way(&knots[on..=end], (&lines[on..end], &times[on..end]), &fixes)?;
-                known = fixes;
+                self.lay_way(knots_on, (&lines[on..end], &times[on..end]), &fixes)?;
             }
         }
         Ok(())
@@ -141,17 +131,10 @@ impl Pilot<'_> {
         };
         let speeds = ground_speeds(&knots, self.vehicle)?;
         let off = |fix: &Fix| fix.leg == leg && fix.cross_track_m > TOLERANCE_M;
-        let (mut turned, mut known) = (Vec::new(), Vec::new());
-        for guidance in guidance.variants(self.vehicle.autopilot_version) {
-            let fixes = guidance.follow(&knots, &speeds);
-            if fixes == known {
-                continue;
-            }
-            let on_it = fixes.iter().copied().filter(off);
-            turned.extend(on_it.step_by(EVERY_STRAIGHT).map(|fix| fix.at));
-            known = fixes;
-        }
-        Ok(turned)
+        let version = self.vehicle.autopilot_version;
+        let ways = guidance.ways(version, |way| way.follow(&knots, &speeds));
+        let on_it = |fixes: Vec<Fix>| fixes.into_iter().filter(off).step_by(EVERY_STRAIGHT);
+        Ok(ways.into_iter().flat_map(on_it).map(|fix| fix.at).collect())
     }
 
     /// Lays a way along legs, as far as it is off them, at the altitudes of each leg and at its times.
