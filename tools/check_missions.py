@@ -158,7 +158,8 @@ class Comparison:
             # A plane that touches the earth at the axis makes a distance r short by r (r / R)^2 / 6, a chord by 1/24.
             away = found + self.threats[what]["radius_m"]
             # Chords of an arc are up to CHORD_M within it, and judged as far nearer again.
-            return Finding("threat", *named, value, found, error, 2 * CHORD_M + away * (away / A) ** 2 / 7,
+            chords = 2 * CHORD_M + flight.undecided
+            return Finding("threat", *named, value, found, error, chords + away * (away / A) ** 2 / 7,
                            beside + flight.loose, margin["limit"], self.buffer("threats"))
         return self.apart(margin, value) if what == "separation" else None
 

@@ -139,6 +139,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     takeoff_late_s: TAKEOFF_LATE_S,
     climb_late_s: NONE,
     faster_share: NONE,
+    slower_share: NONE,
     stop_late_s: STOP_LATE_S,
     // Lateness that grows with the legs was not measured.
     leg_late_s: NONE,

@@ -125,6 +125,8 @@ pub struct Behaviour {
     pub climb_late_s: Figure,
     /// A wing may fly faster through the air than planned by this share.
     pub faster_share: Figure,
+    /// In wind, or slower by this share.
+    pub slower_share: Figure,
     /// A stop may take this much longer than in the flight model, seconds.
     pub stop_late_s: Figure,
     /// A leg may take this much longer than in the flight model, seconds.
@@ -202,13 +204,14 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 22] {
+    pub fn figures(&self) -> [(&'static str, Figure); 23] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("early_share", self.early_share),
             ("takeoff_late_s", self.takeoff_late_s),
             ("climb_late_s", self.climb_late_s),
             ("faster_share", self.faster_share),
+            ("slower_share", self.slower_share),
             ("stop_late_s", self.stop_late_s),
             ("leg_late_s", self.leg_late_s),
             ("late_share", self.late_share),

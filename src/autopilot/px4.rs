@@ -272,6 +272,14 @@ pub(super) static PLANE: Facts = Facts {
             22,
             "PX4 1.17 of January 2026, simulated, 0 to 6 m/s of wind: 20 m beside its takeoff in a climb planned for 27 s, 15 m of them a buffer",
         )]),
+        // Seeds 1006 and 1012 of the campaign: on loops of short legs soon after their climb-outs 19 and 17 m beside all ways of
+        // the law at the planned speed, 5 and 9 m beside that of 0.9 of it.
+        slower_share: Figure::greatest(&[measured(
+            (0.1, ""),
+            version(1, 17),
+            12,
+            "PX4 1.17 of January 2026, simulated, 6 m/s of wind: 11.2 to 11.9 m/s through the air a minute after takeoff, 12.35 m/s planned",
+        )]),
         climb_late_s: Figure::greatest(&[measured(
             (36.0, "s"),
             version(1, 17),
@@ -334,6 +342,27 @@ pub(super) static VTOL: Facts = Facts {
             version(1, 18),
             7,
             "PX4 1.17.0 and 1.18 beta, simulated, still air: 41 m from the end of the climb, on any course",
+        )]),
+        // On its wing the same modules steer it as a plane (`fw_mode_manager`, `fw_lateral_longitudinal_control`). Its simulated
+        // VTOL flew corners of up to 120 degrees at 10 and 11 m/s up to 10.6 m beside legs and arcs, and within 6.2 m of the
+        // way of that law with the figures of planes.
+        turning_share: Figure::least(&[measured(
+            (0.95, ""),
+            version(1, 17),
+            3,
+            "PX4 1.17 of January 2026, simulated, still air: within 6.2 m of the way with the figures of its planes",
+        )]),
+        bank_lag_s: Figure::greatest(&[measured(
+            (0.5, "s"),
+            version(1, 17),
+            3,
+            "PX4 1.17 of January 2026, simulated, still air: within 6.2 m of the way with the figures of its planes",
+        )]),
+        slower_share: Figure::greatest(&[measured(
+            (0.1, ""),
+            version(1, 17),
+            0,
+            "the figure of its planes",
         )]),
         // Assumed: QuadPlanes of ArduPlane were measured.
         max_wind_mps: ardupilot::QUADPLANE_MAX_WIND_MPS,

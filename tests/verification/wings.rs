@@ -461,6 +461,58 @@ fn a_vtol_of_px4_is_judged_around_its_climb_unless_its_takeoff_is_ahead() {
     assert!(judged.ok, "{judged:?}");
 }
 
+/// PX4 1.17 of January 2026 (simulator, 2 and 4 m/s of wind): eight of ten could not turn their noses to a place at home and
+/// gave their missions up.
+#[test]
+fn a_vtol_of_px4_that_takes_off_just_upwind_of_home_is_judged_as_over_its_home() {
+    let (mut spec, mut mission) = quadplane(Autopilot::Px4);
+    windy(&mut spec, 250.0, 4.0);
+    spec.no_fly
+        .push(low_wall(spot(20.0, 38.0), GROUND_M + 200.0));
+    let judged = |mission: &VehicleMission| {
+        [
+            Limit::Zone("wall".to_owned()),
+            Limit::ItemsJudged,
+            Limit::TurnFit,
+        ]
+        .map(|limit| margin(&spec, mission, &limit).expect("judged"))
+    };
+    let at_home = judged(&mission);
+    let upwind = waypoint(spot(-14.1, -5.1), UP_M);
+    (mission.items[0].x, mission.items[0].y) = (upwind.x, upwind.y);
+    for (found, home) in judged(&mission).into_iter().zip(at_home) {
+        assert_eq!(found.ok, home.ok, "{found:?}");
+        assert!(
+            (found.value - home.value).abs() < 1e-6,
+            "{found:?} {home:?}"
+        );
+    }
+}
+
+#[test]
+fn a_vtol_of_px4_is_judged_outside_of_a_corner_with_wind_from_behind_where_one_was_flown() {
+    // PX4 1.17 of January 2026, 4 m/s of wind: 31 m beside its legs and arcs.
+    let (mut spec, mut mission) = quadplane(Autopilot::Px4);
+    windy(&mut spec, 70.0, 4.0);
+    let vehicle = &mut spec.vehicles[0];
+    (vehicle.speed_mps, vehicle.max_load_factor) = (11.0, 1.2);
+    let ways = [
+        (-1186.0, -1073.7),
+        (-1518.6, -1448.7),
+        (-1552.7, -1487.1),
+        (-1501.5, -1538.7),
+        (-1314.0, -1374.3),
+        (-1293.1, -1366.7),
+    ];
+    let ways = ways.map(|(east_m, north_m)| waypoint(spot(east_m, north_m), UP_M));
+    let circle = mission.items[3];
+    mission.items.truncate(1);
+    mission.items.extend(ways);
+    mission.items.push(circle);
+    let found_m = nearest_m(&spec, &mission, spot(-1555.5, -1528.4));
+    assert!(found_m < 8.0, "{found_m}");
+}
+
 #[test]
 fn a_plane_that_climbs_to_its_circle_is_judged_inside_of_it_where_one_was_flown() {
     // ArduPlane 4.6.3, 5 m/s of wind from behind: 19.5 m below the circle, 10 m inside of it.

@@ -255,8 +255,9 @@ class Circles:
                     self.lay(at, q, high, high)
                 for height in heights[leg]:
                     self.along_leg(at, p, q, height)
-        if hull.any_course and self.law is not None and len(knots) > last + 2:
-            self.arrivals(hull, last, flat, knots, heights, cruise)
+        if hull.any_course and self.law is not None:
+            for leg in range(min(last + 1, len(knots) - 2)):
+                self.arrivals(hull, leg, flat, knots, heights, cruise)
 
     def along_leg(self, at, p, q, height):
         """From a place of the rim to the end of a leg, at the altitudes of the leg."""

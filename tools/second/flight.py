@@ -109,6 +109,8 @@ class Knot:
 class Flight:
     """One vehicle's flight, from its `.waypoints` file and its part of the spec."""
 
+    undecided = 0.0  # only wings are steered
+
     def __init__(self, vehicle, items, ground, radius):
         self.vehicle, self.ground, self.radius = vehicle, ground, radius
         self.profile = Profile(vehicle["accel_mps2"])

@@ -9,7 +9,7 @@ from .flight import G
 
 STEP_S, JUDGED_S = 0.05, 0.5
 WAY_M = 0.5  # a way that is nearer to its legs is not judged
-TURNING_SHARE, BANK_LAG_S, FASTER_SHARE = 0.7, 0.5, 0.08
+TURNING_SHARE, BANK_LAG_S, FASTER_SHARE, SLOWER_SHARE = 0.7, 0.5, 0.08, 0.1
 INTEGRAL_GAIN, INTEGRAL_RAD, INTEGRAL_WITHIN_RAD = 0.02, 0.1, math.radians(5)
 LEAD_S = 1.0
 EITHER_WAY_RAD = math.radians(170)
@@ -156,8 +156,10 @@ class Px4Law(Law):
     turning_share = 0.95
     side = 1  # where the heading is more than 150 degrees off, it turns to the right
     early = False  # takes the next leg within the switch distance, as 1.18 does
+    turns_back = False  # the step at which it comes within 150 degrees decides where: up to 9 m were seen
 
-    def __init__(self, params, load_factor):
+    def __init__(self, params, load_factor, is_windy):
+        self.paces = (1.0, 1.0 - SLOWER_SHARE) if is_windy else (1.0,)
         self.time = params.get("NPFG_PERIOD", 10.0) * params.get("NPFG_DAMPING", 0.7)
         self.switch, self.accept = params.get("NPFG_SW_DST_MLT", 0.32), params.get("NAV_ACC_RAD", 10.0)
         limit = params.get("FW_R_LIM")
@@ -185,14 +187,16 @@ class Px4Law(Law):
         asked = course + math.asin(min(max(from_right / air, -1.0), 1.0))
         error = (asked - heading + math.pi) % (2 * math.pi) - math.pi
         if abs(error) > math.radians(150):
-            self.may_turn_either_way = True
+            self.may_turn_either_way = self.turns_back = True
             error = self.side * abs(error)
         across = 0.8885 * air * math.sin(min(max(error, -math.pi / 2), math.pi / 2))
         roll = min(max(math.atan(across / G), -self.limit), self.limit)
         return east, north, self.turning_share * G * math.tan(bank) / air, (roll - bank) / BANK_LAG_S, 0.0
 
     def both(self, fly):
-        """What it flies to the right and to the left where it may turn either way, and as 1.17 and 1.18 take the next leg:
-        these missions do not say their version."""
-        for self.early in (False, True):
-            yield from self.sides(fly)
+        """What it flies as fast as planned, and slower in wind, to the right and to the left where it may turn either way, and
+        as 1.17 and 1.18 take the next leg: these missions do not say their version."""
+        for self.pace in self.paces:
+            for self.early in (False, True):
+                yield from self.sides(fly)
+        self.pace = 1.0

@@ -87,7 +87,7 @@ class WingFlight(Circles, Flight):
         self.lag = ARDUPILOT_LAG_S if ardupilot else PX4_LAG_S
         small = params.get("ALT_SLOPE_MIN", params.get("GLIDE_SLOPE_MIN", SMALL_CLIMB_M))
         self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
-        self.law = Law(params, n) if ardupilot else Px4Law(params, n) if vehicle["airframe"] == "plane" else None
+        self.law = Law(params, n) if ardupilot else Px4Law(params, n, self.wind is not None)
         self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
         super().__init__(vehicle, items, ground, 0.0)
 
@@ -233,7 +233,7 @@ class WingFlight(Circles, Flight):
         ahead = 0.0 if self.ardupilot else distance(item["at"], self.home.at)
         if ahead < LEAST_AHEAD:
             self.region(amsl)
-        if ahead > SAME_M:
+        else:
             self.append(WingKnot(item["at"], amsl, None, self.speed))
 
     def descend(self):
@@ -246,6 +246,11 @@ class WingFlight(Circles, Flight):
             clockwise = course(*(self.flat(knot) for knot in far[-1]))
             if math.cos(clockwise - math.radians(self.wind["from_deg"])) < 0:
                 self.driven(self.flat(self.knots[-1]), self.knots[-1].amsl, top)
+
+    @property
+    def undecided(self):
+        """What the verdict may be nearer by, as steps of the integration are others: half of the radius of a turn, metres."""
+        return self.turn_radius / 2 if getattr(self.law, "turns_back", False) else 0.0
 
     def append(self, knot):
         if distance(knot.at, self.knots[-1].at) > 0.025:

@@ -6,13 +6,19 @@ use super::{ItemWriter, float};
 use crate::autopilot::command;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::item::Item;
-use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
+use crate::path::{
+    Approach, TimedPoint, VehicleLimits, along, climb_out, heading_rad, join, landing,
+};
 use crate::spec::{Airframe, Autopilot, Finish, Stop, Vehicle};
 use crate::world::{Departure, NoData, VehicleSites};
 
 /// A route that ends in a circle ends this many radii before its middle: from there the
 /// vehicle flies to the rim.
 const OUTSIDE: f64 = 3.0;
+
+/// So far upwind of its home a VTOL of PX4 has the place of its takeoff, metres: it turns its nose there before its
+/// transition, and gives its mission up where the wind keeps it from doing so. Nearer than 20 m the verdict judges any course.
+const UPWIND_M: f64 = 15.0;
 
 /// The way of a mission so far, and the items that make it.
 struct ItemList {
@@ -139,8 +145,11 @@ impl ItemWriter<'_> {
                 leaves_circle: false,
             });
         }
-        let above_home = PlanPoint {
-            at: home.at,
+        let upwind = (self.vehicle.carried_by())
+            .filter(|_| self.vehicle.autopilot == Autopilot::Px4)
+            .map(|wind| along(home.at, wind.from_rad, UPWIND_M));
+        let takeoff = PlanPoint {
+            at: upwind.unwrap_or(home.at),
             amsl: start.amsl,
         };
         let rules = &self.vehicle.facts().acceptance;
@@ -149,7 +158,7 @@ impl ItemWriter<'_> {
         } else {
             self.departure()
         };
-        let item = self.at(command::NAV_VTOL_TAKEOFF, 0.0, above_home)?;
+        let item = self.at(command::NAV_VTOL_TAKEOFF, 0.0, takeoff)?;
         items.push(if rules.takeoff_above_home {
             self.encoder.above_home(item, start.amsl)
         } else {

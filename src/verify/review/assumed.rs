@@ -203,7 +203,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Vtol,
         "a VTOL of PX4 turns its nose to the place of its takeoff before its transition: where that is less than 20 m away it is judged anywhere within {px4_vtol.transition_m} and two turn radii of the end of its climb, and between there and its first place \
-         (1.17.0 and 1.18 beta, simulated, still air: up to 38 m beside its first leg then, at most 4.2 m with the takeoff ahead on it; in 4 m/s of wind five of five could not keep that heading and gave their missions up)",
+         (1.17.0 and 1.18 beta, simulated, still air: up to 38 m beside its first leg then, at most 4.2 m with the takeoff ahead on it). In 2 and 4 m/s of wind eight of eleven could not turn to a place at home and gave their missions up (1.17 of January 2026): plans have it 15 m upwind of home",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
@@ -222,14 +222,10 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; in still air, the wind is added as the law has it)",
     ),
     (
-        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Vtol,
-        "a VTOL of PX4 keeps to its legs and arcs: what it swings out of corners was not measured and is not judged",
-    ),
-    (
-        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Plane,
-        "a plane of PX4 takes its next leg within NAV_ACC_RAD of a waypoint or abeam of it (1.17; since 1.18 within NPFG_SW_DST_MLT of its track error bound, judged as well), and swings out of corners: it is judged along the way of its NPFG law too, \
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
+        "a wing of PX4 takes its next leg within NAV_ACC_RAD of a waypoint or abeam of it (1.17; since 1.18 within NPFG_SW_DST_MLT of its track error bound, judged as well), and swings out of corners: it is judged along the way of its NPFG law too (in wind also {px4_plane.slower_share} slower than planned), \
          with NPFG_PERIOD and NPFG_DAMPING (default {NPFG_PERIOD} and {NPFG_DAMPING}) and FW_R_LIM, at {px4_plane.turning_share} of a coordinated turn, and separation counts with what that way is beside the legs \
-         (1.17 of January 2026, simulated, 11 to 13 m/s, 0 to 6 m/s of wind: within 12 m of that way where it was up to 44 m beside what was judged without it)",
+         (1.17 of January 2026, simulated, 11 to 13 m/s, 0 to 6 m/s of wind: within 12 m of that way where it was up to 44 m beside what was judged without it; of a VTOL by the sources)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Plane,

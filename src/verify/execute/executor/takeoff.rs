@@ -102,7 +102,7 @@ impl Pilot<'_> {
     }
 
     /// From the top of its climb a VTOL flies on where its nose points. PX4 turns it to the place of its takeoff
-    /// first (`Mission::handleTakeoff`), and passes that on its wing.
+    /// first (`Mission::handleTakeoff`), and passes that on its wing: a nearer one within its transition.
     fn transition(
         &mut self,
         row: usize,
@@ -113,7 +113,7 @@ impl Pilot<'_> {
         if ahead.is_none() {
             self.drift_up(row, self.here());
         }
-        if let Some(at) = aside {
+        if let Some(at) = ahead {
             self.begin_route();
             let knot = self.knot(row, at, amsl_m, None);
             self.append(knot)?;

@@ -33,6 +33,8 @@ pub(crate) struct Guidance {
     pub(super) pace: f64,
     /// It may be faster than planned by this share.
     pub(super) faster_share: f64,
+    /// In wind, or slower by this share.
+    pub(super) slower_share: f64,
     pub(super) bank_rad: f64,
     /// Share of a coordinated turn that turns the wing.
     pub(super) turning_share: f64,
@@ -64,6 +66,8 @@ pub(super) struct L1 {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Way {
     pub(crate) fixes: Vec<Fix>,
+    /// Slower than planned: how late that makes it is in other figures.
+    pub(super) is_slower: bool,
     /// Somewhere on it the wing might have turned to the other side.
     turns_either_way: bool,
 }
@@ -108,6 +112,7 @@ impl Guidance {
             law,
             pace: 1.0,
             faster_share: facts.behaviour.faster_share.value(version),
+            slower_share: facts.behaviour.slower_share.value(version),
             bank_rad: held(bank).map_or(planned_rad, f64::to_radians),
             turning_share,
             bank_lag_s: facts.behaviour.bank_lag_s.value(version),
@@ -116,15 +121,15 @@ impl Guidance {
     }
 
     /// The ways in which a version may fly along legs, each to be judged: to either side where the course is nearly opposite
-    /// to the next leg, and faster than planned (ArduPlane) or onto the next leg earlier (PX4).
-    pub(crate) fn ways(self, version: Option<Version>, fly: impl Fn(Self) -> Way) -> Vec<Vec<Fix>> {
-        let mut ways: Vec<Vec<Fix>> = Vec::new();
+    /// to the next leg, faster than planned (ArduPlane), and slower in wind or onto the next leg earlier (PX4).
+    pub(crate) fn ways(self, version: Option<Version>, fly: impl Fn(Self) -> Way) -> Vec<Way> {
+        let mut ways: Vec<Way> = Vec::new();
         for left in self.to_the_left(version) {
             let way = fly(left);
             let other = way.turns_either_way.then(|| fly(left.to_the_right()));
             for way in std::iter::once(way).chain(other) {
-                if ways.last() != Some(&way.fixes) {
-                    ways.push(way.fixes);
+                if (ways.last()).is_none_or(|last| last.fixes != way.fixes) {
+                    ways.push(way);
                 }
             }
         }
@@ -133,22 +138,26 @@ impl Guidance {
 
     /// The variants of a version, those that turn to the left where they may turn either way.
     pub(super) fn to_the_left(self, version: Option<Version>) -> Vec<Self> {
-        let faster = 1.0 + self.faster_share;
-        match self.law {
+        let (laws, off_pace): (Vec<Law>, _) = match self.law {
             Law::L1(law) => {
-                let law = Law::L1(L1 {
-                    side: Some(1.0),
-                    ..law
-                });
-                let is_faster = self.faster_share > 0.0;
-                let paces = std::iter::once(1.0).chain(is_faster.then_some(faster));
-                paces.map(|pace| Self { law, pace, ..self }).collect()
+                let side = Some(1.0);
+                (vec![Law::L1(L1 { side, ..law })], self.faster_share)
             }
             Law::Npfg(law) => {
-                let laws = law.variants(version).map(Law::Npfg);
-                laws.map(|law| Self { law, ..self }).collect()
+                // In still air a slower one turns within.
+                let slower_share = self.wind_mps.map_or(0.0, |_| self.slower_share);
+                (
+                    law.variants(version).map(Law::Npfg).collect(),
+                    -slower_share,
+                )
             }
-        }
+        };
+        let paces = [Some(1.0), (off_pace.abs() > 0.0).then_some(1.0 + off_pace)];
+        let ways = paces.into_iter().flatten().flat_map(|pace| {
+            let laws = laws.iter();
+            laws.map(move |&law| Self { law, pace, ..self })
+        });
+        ways.collect()
     }
 
     pub(super) fn to_the_right(self) -> Self {
@@ -318,6 +327,7 @@ impl Guidance {
         }
         Way {
             fixes,
+            is_slower: self.pace < 1.0,
             turns_either_way: wing.turns_either_way,
         }
     }
@@ -423,6 +433,7 @@ mod tests {
             }),
             pace: 1.0,
             faster_share: behaviour.faster_share.value(None),
+            slower_share: 0.0,
             bank_rad: bank_deg.to_radians(),
             turning_share: behaviour.turning_share.value(None),
             bank_lag_s: behaviour.bank_lag_s.value(None),
@@ -520,8 +531,8 @@ mod tests {
             let knots = corner(turn_deg, 440.0);
             let ways =
                 guidance(33.56, 50.0).ways(None, |guidance| guidance.follow(&knots, &[18.0, 18.0]));
-            let sides = ways.iter().map(|fixes| {
-                let north_m = fixes.iter().map(|fix| fix.at.north_m);
+            let sides = ways.iter().map(|way| {
+                let north_m = way.fixes.iter().map(|fix| fix.at.north_m);
                 let (low_m, high_m) = north_m.fold((0.0_f64, 0.0_f64), |(low, high), north| {
                     (low.min(north), high.max(north))
                 });
@@ -603,7 +614,8 @@ mod tests {
                 all.extend([left, left.to_the_right()].map(|way| follow(way).fixes));
             }
             all.dedup();
-            prop_assert_eq!(guidance.ways(None, follow), all);
+            let ways = guidance.ways(None, follow).into_iter();
+            prop_assert_eq!(ways.map(|way| way.fixes).collect::<Vec<_>>(), all);
         }
 
         #[test]

@@ -62,7 +62,7 @@
 //! Steps are 0.05 s. Each half second in which it is 0.5 m off its leg and the one before is judged as a straight
 //! line, at the altitudes of the leg at its end, by how far along that it is.
 //!
-//! **The law of a plane of PX4** (its VTOLs keep to their legs and arcs; `DirectionalGuidance::guideToPath`, `AirspeedDirectionController`). With `t = NPFG_PERIOD *
+//! **The law of a wing of PX4** (`DirectionalGuidance::guideToPath`, `AirspeedDirectionController`). With `t = NPFG_PERIOD *
 //! NPFG_DAMPING` (10 s, 0.7) and `v` over the ground, 1 m/s at least, `b = t v`. At a distance `e` from the line of the
 //! leg, with `s = min(e / b, 1)`, the course is turned from the leg towards it by 90 degrees less `90 (1 - s)^2`. Before
 //! the beginning of the leg, and further than `NPFG_SW_DST_MLT b` (0.32) from it, it is that to the beginning. The
@@ -70,9 +70,10 @@
 //! error of 90 degrees at most (of more than 150 degrees to either side: one way to the left and one to the right is judged), by a bank of `FW_R_LIM` at most, or else that of the load factor. The bank follows within
 //! 0.5 s, and 0.95 of what it gives turns the wing. It takes the next leg abeam of the end of one, or within
 //! `NAV_ACC_RAD` (10 m) of that; from version 1.18 on, and where the version is not known, a second way is judged that takes it within `NPFG_SW_DST_MLT b` of the
-//! speed of the leg, if that is more. The rest is as under the L1 law, without an integral.
+//! speed of the leg, if that is more. In wind further
+//! ways are judged with 0.9 of the speed through the air. The rest is as under the L1 law, without an integral.
 //!
-//! **Arrivals.** After the climb of a QuadPlane these are judged as well for the three legs after the last one that
+//! **Arrivals.** After the climb of a VTOL without a place ahead these are judged as well for the three legs after each that
 //! begins in the region, for a wing that comes to their first place straight through the region, on courses up to
 //! 10 degrees apart from tangent to tangent.
 //!

@@ -130,7 +130,7 @@ impl Npfg {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::l1::{Fix, Guidance, Law};
+    use super::super::l1::{Guidance, Law, Way};
     use super::Npfg;
     use crate::autopilot::{Airframe, Autopilot, Version, facts};
     use crate::geodesy::EastNorth;
@@ -155,6 +155,7 @@ pub(super) mod tests {
             law: Law::Npfg(npfg),
             pace: 1.0,
             faster_share: 0.0,
+            slower_share: 0.0,
             bank_rad: (1.0_f64 / 1.2).acos(),
             turning_share: behaviour.turning_share.value(None),
             bank_lag_s: behaviour.bank_lag_s.value(None),
@@ -231,7 +232,12 @@ pub(super) mod tests {
         assert_eq!(ways(Some(V1_17)).len(), 1);
         let later = ways(Some(Version { minor: 18, ..V1_17 }));
         assert_eq!(later.len(), 2);
-        let furthest_m = |fixes: &[Fix]| fixes.iter().map(|fix| fix.at.east_m).fold(0.0, f64::max);
+        let furthest_m = |way: &Way| {
+            way.fixes
+                .iter()
+                .map(|fix| fix.at.east_m)
+                .fold(0.0, f64::max)
+        };
         let (late_m, early_m) = (furthest_m(&later[0]), furthest_m(&later[1]));
         assert!(late_m > 625.0 && early_m < 615.0, "{late_m} {early_m}");
     }
@@ -241,7 +247,7 @@ pub(super) mod tests {
         let knots = knots(&[(0.0, 0.0), (0.0, 766.0), (-30.0, 600.0)]);
         let ways = guidance().ways(Some(V1_17), |way| way.follow(&knots, &[12.3, 12.3]));
         let [left, right] = [0, 1].map(|way: usize| {
-            let east_m = ways[way].iter().map(|fix| fix.at.east_m);
+            let east_m = ways[way].fixes.iter().map(|fix| fix.at.east_m);
             east_m.fold((0.0_f64, 0.0_f64), |(low, high), at| {
                 (low.min(at), high.max(at))
             })

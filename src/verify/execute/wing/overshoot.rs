@@ -7,7 +7,7 @@ use crate::numeric::geometry;
 use crate::path::{along, heading_rad};
 
 use super::drift::carried_points;
-use super::l1::{Fix, STEP_S};
+use super::l1::{Fix, STEP_S, Way};
 use super::line::Line;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
@@ -51,12 +51,12 @@ impl Pilot<'_> {
         let before_s = self.trajectory.late_s;
         let mut late_s = before_s;
         let version = self.vehicle.autopilot_version;
-        for fixes in guidance.ways(version, |way| way.follow(knots, grounds_mps)) {
+        for way in guidance.ways(version, |guidance| guidance.follow(knots, grounds_mps)) {
             self.trajectory.late_s = before_s;
-            self.widen(knots, firsts, &fixes);
+            self.widen(knots, firsts, &way);
             late_s = late_s.max(self.trajectory.late_s);
             let lines = self.leg_lines(knots, firsts)?;
-            self.lay_way(knots, (&lines, &self.times_s(firsts)), &fixes)?;
+            self.lay_way(knots, (&lines, &self.times_s(firsts)), &way.fixes)?;
         }
         self.trajectory.late_s = late_s;
         Ok(())
@@ -89,12 +89,12 @@ impl Pilot<'_> {
             let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
             let along = Line::new(from, place.at);
             let (knots_on, grounds_mps) = (&knots[on..=end], &grounds_mps[on..end]);
-            let ways = guidance.ways(self.vehicle.autopilot_version, |way| {
-                way.arrive((along, turn_rad), knots_on, grounds_mps)
+            let ways = guidance.ways(self.vehicle.autopilot_version, |guidance| {
+                guidance.arrive((along, turn_rad), knots_on, grounds_mps)
             });
-            for fixes in ways {
-                self.widen_by(&firsts[on..], &fixes);
-                self.lay_way(knots_on, (&lines[on..end], &times[on..end]), &fixes)?;
+            for way in ways {
+                self.widen_by(&firsts[on..], &way.fixes);
+                self.lay_way(knots_on, (&lines[on..end], &times[on..end]), &way.fixes)?;
             }
         }
         Ok(())
@@ -132,8 +132,8 @@ impl Pilot<'_> {
         let speeds = ground_speeds(&knots, self.vehicle)?;
         let off = |fix: &Fix| fix.leg == leg && fix.cross_track_m > TOLERANCE_M;
         let version = self.vehicle.autopilot_version;
-        let ways = guidance.ways(version, |way| way.follow(&knots, &speeds));
-        let on_it = |fixes: Vec<Fix>| fixes.into_iter().filter(off).step_by(EVERY_STRAIGHT);
+        let ways = guidance.ways(version, |guidance| guidance.follow(&knots, &speeds));
+        let on_it = |way: Way| way.fixes.into_iter().filter(off).step_by(EVERY_STRAIGHT);
         Ok(ways.into_iter().flat_map(on_it).map(|fix| fix.at).collect())
     }
 
@@ -232,8 +232,9 @@ impl Pilot<'_> {
     }
 
     /// Widens the segments of the legs by the distance of the path from them, and makes them late by
-    /// the time that the path takes longer.
-    fn widen(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) {
+    /// the time that the path takes longer, unless it is flown slower.
+    fn widen(&mut self, knots: &[Knot], firsts: &[usize], way: &Way) {
+        let fixes = &way.fixes;
         let mut starts_s = None;
         let (before_s, mut late_s) = (self.trajectory.late_s, 0.0_f64);
         for (leg, pair) in knots.windows(2).enumerate() {
@@ -257,7 +258,10 @@ impl Pilot<'_> {
             let planned_s = planned.time_s(halfway(planned, pair));
             let shift_s = planned_s - flown.t_s;
             let starts_s = *starts_s.get_or_insert(shift_s);
-            late_s = late_s.max(starts_s - shift_s);
+            late_s = match way.is_slower {
+                true => 0.0,
+                false => late_s.max(starts_s - shift_s),
+            };
             let late_at_s = before_s + late_s;
             for segment in &mut self.trajectory.segments[first..end] {
                 if !segment.flown {
