@@ -322,6 +322,7 @@ pub(super) static ARDUCOPTER: Facts = Facts {
         rate_parameters: None,
         motion_parameters: Some(["WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL"]),
         rotor_parameters: None,
+        max_rotor_parameters: None,
         bank_parameter: None,
         climb_mps: 2.5,
         descent_mps: 1.5,
@@ -383,6 +384,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
         rate_parameters: Some([&["TECS_CLMB_MAX"], &["TECS_SINK_MAX"]]),
         motion_parameters: None,
         rotor_parameters: None,
+        max_rotor_parameters: None,
         bank_parameter: Some("ROLL_LIMIT_DEG"),
         climb_mps: 5.0,
         descent_mps: 5.0,
@@ -437,6 +439,7 @@ pub(super) static QUADPLANE: Facts = Facts {
         rate_parameters: Some([&["TECS_CLMB_MAX"], &["TECS_SINK_MAX"]]),
         motion_parameters: None,
         rotor_parameters: Some(["Q_WP_SPEED_UP", "Q_WP_SPEED_DN"]),
+        max_rotor_parameters: None,
         bank_parameter: Some("ROLL_LIMIT_DEG"),
         ..ARDUCOPTER.defaults
     },

@@ -150,6 +150,8 @@ pub struct Defaults {
     pub motion_parameters: Option<[&'static str; 3]>,
     /// The parameters that set climb and descent on the rotors of a vehicle with a wing.
     pub rotor_parameters: Option<[&'static str; 2]>,
+    /// The parameters that keep climb and descent on rotors down, whatever those say.
+    pub max_rotor_parameters: Option<[&'static str; 2]>,
     /// The parameter of the greatest bank of a wing.
     pub bank_parameter: Option<&'static str>,
     /// Climb, m/s.

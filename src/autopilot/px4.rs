@@ -185,6 +185,7 @@ pub(super) static COPTER: Facts = Facts {
         rate_parameters: None,
         motion_parameters: Some(["MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_HOR"]),
         rotor_parameters: None,
+        max_rotor_parameters: Some(["MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN"]),
         bank_parameter: None,
         climb_mps: 3.0,
         descent_mps: 1.5,
@@ -225,6 +226,7 @@ pub(super) static PLANE: Facts = Facts {
         rate_parameters: Some(RATES),
         motion_parameters: None,
         rotor_parameters: None,
+        max_rotor_parameters: None,
         bank_parameter: Some("FW_R_LIM"),
         climb_mps: 5.0,
         descent_mps: 5.0,
@@ -320,6 +322,7 @@ pub(super) static VTOL: Facts = Facts {
         rate_parameters: Some(RATES),
         motion_parameters: None,
         rotor_parameters: Some(["MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN"]),
+        max_rotor_parameters: Some(["MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN"]),
         bank_parameter: Some("FW_R_LIM"),
         ..COPTER.defaults
     },

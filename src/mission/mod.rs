@@ -23,6 +23,7 @@ pub(crate) use item::value_si_of;
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use parameter_overrides::{as_set, as_set_on_rotors, rate_parameters};
 pub use params::{
-    acceptance_m, corner_accel_mps2, corner_cut_m, cruise_speed_mps, is_lean_limit, jerk_mps3,
-    lean_limit_deg, parameters, placing_mps, turn_radius_m, within_speeds_mps,
+    acceptance_m, corner_accel_mps2, corner_cut_m, cruise_speed_mps, first_speed_mps,
+    is_lean_limit, jerk_mps3, lean_limit_deg, parameters, placing_mps, turn_radius_m,
+    within_speeds_mps,
 };

@@ -51,6 +51,7 @@ pub fn as_set<'a>(vehicle: &'a Vehicle, mission: &VehicleMission) -> Cow<'a, Veh
                 other_than(vehicle.descent_mps, mission, down),
             ];
             set_rates(&mut set, held);
+            keep_down(&mut set, mission);
             if let Some(accel_mps2) = other_than(vehicle.accel_mps2, mission, accel) {
                 set.to_mut().accel_mps2 = accel_mps2;
             }
@@ -73,6 +74,7 @@ pub fn as_set_on_rotors<'a>(vehicle: &'a Vehicle, mission: &VehicleMission) -> C
             other_than(vehicle.descent_mps, mission, down),
         ];
         set_rates(&mut set, held);
+        keep_down(&mut set, mission);
     }
     set
 }
@@ -81,6 +83,20 @@ pub fn as_set_on_rotors<'a>(vehicle: &'a Vehicle, mission: &VehicleMission) -> C
 fn other_than(planned: f64, mission: &VehicleMission, name: &str) -> Option<f64> {
     let held = mission.param_si(name).filter(|held| *held > 0.0)?;
     ((held - planned).abs() > SAME_SHARE * planned).then_some(held)
+}
+
+/// Climb and descent on rotors within the greatest ones of the parameters (PX4: `MulticopterPositionControl` lowers
+/// `MPC_Z_V_AUTO_UP` and `MPC_Z_V_AUTO_DN` to them).
+fn keep_down(set: &mut Cow<'_, Vehicle>, mission: &VehicleMission) {
+    let Some(names) = mission.facts().defaults.max_rotor_parameters else {
+        return;
+    };
+    let rates_mps = [set.climb_mps, set.descent_mps];
+    let less = [0, 1].map(|way| {
+        let held = other_than(rates_mps[way], mission, names[way]);
+        held.filter(|held| *held < rates_mps[way])
+    });
+    set_rates(set, less);
 }
 
 fn set_rates(set: &mut Cow<'_, Vehicle>, [climb_mps, descent_mps]: [Option<f64>; 2]) {

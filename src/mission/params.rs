@@ -93,6 +93,15 @@ pub fn cruise_speed_mps(mission: &VehicleMission) -> Option<f64> {
     Some(within_speeds_mps(mission, held))
 }
 
+/// The speed at which a mission begins, m/s: its own cruise speed, or the planned one where the parameters of PX4 keep
+/// that down. None where no parameter says.
+#[must_use]
+pub fn first_speed_mps(mission: &VehicleMission, planned_mps: f64) -> Option<f64> {
+    let within_mps = within_speeds_mps(mission, planned_mps);
+    let is_limited = mission.autopilot == Autopilot::Px4 && within_mps < planned_mps;
+    cruise_speed_mps(mission).or(is_limited.then_some(within_mps))
+}
+
 /// The speed that a vehicle flies where one is commanded, m/s: it keeps it within the least and the
 /// greatest of its parameters, where the mission has them.
 #[must_use]

@@ -64,7 +64,7 @@
 //!
 //! **Parameters.** Those of the mission hold, whatever the spec says: of copters `climb_mps`, `descent_mps` and
 //! `accel_mps2` are `WPNAV_SPEED_UP`, `WPNAV_SPEED_DN` and `WPNAV_ACCEL`, or `MPC_Z_V_AUTO_UP`, `MPC_Z_V_AUTO_DN` and
-//! `MPC_ACC_HOR`. Of wings `TECS_CLMB_MAX` and `TECS_SINK_MAX`, or `FW_T_CLMB_R_SP` and `FW_T_SINK_R_SP` (`FW_T_CLMB_MAX` and `FW_T_SINK_MAX` where they are less), and the load factor of
+//! `MPC_ACC_HOR`; of those of PX4 no more than `MPC_Z_VEL_MAX_UP` and `MPC_Z_VEL_MAX_DN`, and of all speeds than `MPC_XY_VEL_MAX`. Of wings `TECS_CLMB_MAX` and `TECS_SINK_MAX`, or `FW_T_CLMB_R_SP` and `FW_T_SINK_R_SP` (`FW_T_CLMB_MAX` and `FW_T_SINK_MAX` where they are less), and the load factor of
 //! `ROLL_LIMIT_DEG` or `FW_R_LIM`, where they are less; on the rotors of a VTOL `Q_WP_SPEED_UP` and `Q_WP_SPEED_DN`, or
 //! those of copters.
 //!

@@ -176,6 +176,63 @@ fn a_speed_that_no_stock_copter_reaches_fails_where_times_are_judged() {
     assert_eq!(code, Some(0), "{said}");
 }
 
+/// Without `MPC_XY_CRUISE` and with less tilt it was judged at 5 m/s: only commanded speeds were.
+#[test]
+fn a_copter_that_may_not_lean_fails_at_its_default_speed_and_another_one_changes_nothing_for_it() {
+    let rows = |change: &str, north: f64| {
+        format!(
+            "1\t0\t3\t22\t0\t0\t0\t0\t46\t8\t50\t1\n2\t0\t2\t178\t1\t{change}\t-1\t0\t0\t0\t0\t1\n3\t0\t3\t16\t0\t0\t0\t0\t{north}\t8.02\t50\t1\n4\t0\t3\t21\t0\t0\t0\t0\t{north}\t8.02\t0\t1\n"
+        )
+    };
+    let said = |change: &str, params: &str, autopilot: &str| {
+        let missions = [
+            ("a.waypoints", rows(change, 46.01)),
+            ("b.waypoints", rows("-1", 45.99)),
+        ];
+        let folder = over_ground("500 500 500 500", &missions);
+        std::fs::write(folder.path().join("a.params"), params).expect("a file");
+        let files = ["a.waypoints", "b.waypoints", "--airframe", "copter"];
+        let flags = ["--separation", "1", "--autopilot", autopilot];
+        reviewed(&folder, &[&files[..], &flags].concat()).1
+    };
+    let fails = "FAIL a: airspeed";
+    assert!(said("-1", "MPC_TILTMAX_AIR,5\n", "px4").contains(fails));
+    assert!(said("-1", "ANGLE_MAX,1000\n", "ardupilot").contains(fails));
+    assert!(!said("-1", "", "ardupilot").contains(fails));
+    // b, at 10 m/s by default, failed because a was commanded more.
+    let both = said("10.1", "", "ardupilot");
+    assert!(
+        both.contains(fails) && !both.contains("FAIL b: airspeed"),
+        "{both}"
+    );
+}
+
+/// `AC_WPNav::set_speed_NE_cms`; `copter.waypoints` behind a circle without an end were counted as judged.
+#[test]
+fn speeds_that_are_ignored_and_places_after_an_endless_circle_fail() {
+    let up = || Row(22, 3, [0.0; 4], 46.0, 8.0, 50.0);
+    let stay = || Row(17, 3, [0.0; 4], 46.002, 8.0, 50.0);
+    let to = |north: f64| waypoint(north, 8.0, 50.0);
+    let flags = ["--no-terrain", "--airframe", "copter"];
+    let slow = |mps: f32| {
+        let rows = [
+            up(),
+            to(46.001),
+            order(178, [1.0, mps, -1.0, 0.0]),
+            to(46.002),
+            stay(),
+        ];
+        review(HOME, &rows, &flags)
+    };
+    let (code, out, _) = slow(0.1);
+    assert!(code == Some(4) && out.contains("below 0.2 m/s"), "{out}");
+    assert_eq!(slow(0.3).0, Some(0));
+    let (code, out, errors) = review(HOME, &[up(), to(46.001), stay(), to(46.003)], &flags);
+    assert_eq!(code, Some(4), "{out}");
+    assert!((out + &errors).contains("stays at item 3 (NAV_LOITER_UNLIM) for ever"));
+    assert_eq!(review(HOME, &[up(), to(46.001), stay()], &flags).0, Some(0));
+}
+
 /// "DO_LAND_START set and RTL_AUTOLAND disabled", said ArduPlane 4.7.0-beta1; PX4 1.17 denied arming.
 #[test]
 fn a_wing_that_is_not_armed_for_its_mission_with_stock_parameters_is_named() {

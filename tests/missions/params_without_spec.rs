@@ -433,6 +433,17 @@ fn a_px4_copter_flies_no_faster_than_its_greatest_speed() {
     let held = end_s("1\t1\tMPC_XY_CRUISE\t9\t9\n1\t1\tMPC_XY_VEL_MAX\t4\t9\n");
     assert!((held - end_s("1\t1\tMPC_XY_CRUISE\t4\t9\n")).abs() < 1e-6);
     assert!(held > end_s("1\t1\tMPC_XY_CRUISE\t9\t9\n") + 100.0);
+    // Of the two the default counts, where only the other is known: 5 and 12 m/s.
+    let of = |name: &str, mps: &str| format!("1\t1\t{name}\t{mps}\t9\n");
+    let alone = end_s(&of("MPC_XY_VEL_MAX", "2"));
+    let both = of("MPC_XY_VEL_MAX", "2") + &of("MPC_XY_CRUISE", "5");
+    assert!((alone - end_s(&both)).abs() < 1e-6 && alone > end_s("") + 100.0);
+    let both = of("MPC_XY_VEL_MAX", "12") + &of("MPC_XY_CRUISE", "20");
+    assert!((end_s(&of("MPC_XY_CRUISE", "20")) - end_s(&both)).abs() < 1e-6);
+    // `MPC_Z_V_AUTO_UP` is lowered to it.
+    let both = of("MPC_Z_VEL_MAX_UP", "0.5") + &of("MPC_Z_V_AUTO_UP", "0.5");
+    let up_s = end_s(&of("MPC_Z_VEL_MAX_UP", "0.5"));
+    assert!((up_s - end_s(&both)).abs() < 1e-6 && up_s > end_s("") + 30.0);
 }
 
 #[test]

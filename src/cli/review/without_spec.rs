@@ -303,7 +303,11 @@ fn speed_mps(
         .find(|mps| (0.5..=100.0).contains(mps) && (min_mps..=max_mps.min(100.0)).contains(mps));
     let cruise = held(defaults.cruise_parameter).filter(|mps| (0.5..=100.0).contains(mps));
     let first = limits.speed.or(in_mission).or(cruise);
-    first.unwrap_or_else(|| defaults.cruise_mps())
+    let first = first.unwrap_or_else(|| defaults.cruise_mps());
+    match who.0 {
+        Autopilot::Px4 => first.min(max_mps).max(0.5),
+        Autopilot::ArduPilot => first,
+    }
 }
 
 /// The parameters next to a mission.

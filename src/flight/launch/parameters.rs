@@ -287,7 +287,9 @@ impl<'a> SettingsCheck<'a> {
             self.unknown.push(assumed.name());
             return;
         };
-        if self.setting.is_some() {
+        if let Some((set, _)) = &self.setting {
+            // As far as it says, nothing was set.
+            self.sent.retain(|(name, ..)| name != set);
             self.differences.push(format!(
                 "parameter {} does not take {}",
                 planned.name, planned.value

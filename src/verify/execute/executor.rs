@@ -13,7 +13,7 @@ use crate::autopilot::Cornering;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{
     Descent, Item, VehicleMission, acceptance_m, as_set, as_set_on_rotors, corner_accel_mps2,
-    cruise_speed_mps, frame, jerk_mps3, within_speeds_mps,
+    first_speed_mps, frame, jerk_mps3, within_speeds_mps,
 };
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 use crate::world::{Departure, LowPlace, VehicleSites, World};
@@ -73,7 +73,7 @@ pub(crate) fn fly(
         airborne: false,
         ended: false,
         phase: Phase::Join,
-        speed_mps: cruise_speed_mps(mission),
+        speed_mps: first_speed_mps(mission, vehicle.speed_mps),
         descent: Descent::of(rotors, mission),
         knots: Vec::new(),
         moving_mps: 0.0,
@@ -293,7 +293,9 @@ impl Pilot<'_> {
             Order::Speed { speed_mps } => {
                 self.speed_mps = Some(within_speeds_mps(mission, speed_mps));
             }
-            Order::OwnSpeed => self.speed_mps = cruise_speed_mps(mission),
+            Order::OwnSpeed => {
+                self.speed_mps = first_speed_mps(mission, self.vehicle.speed_mps);
+            }
             Order::Wait { hold_s } if !self.airborne => {
                 let all_s = self.flight.delay_s.unwrap_or(0.0) + hold_s;
                 self.flight.delay_s = Some(all_s);

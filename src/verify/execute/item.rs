@@ -205,6 +205,9 @@ fn without_order(item: &Item) -> Result<Order, String> {
     }
 }
 
+/// Slower ones are ignored (`AC_WPNav::set_speed_NE_cms`, `WPNAV_WP_SPEED_MIN`; later versions have 0.1 m/s).
+const MIN_SPEED_MPS: f64 = 0.2;
+
 fn speed(item: &Item, autopilot: Autopilot) -> Result<Order, String> {
     let [kind, speed_mps, ..] = item.params.map(f64::from);
     // Airspeed and ground speed are one to a copter. Without a speed ArduPilot leaves it as it is,
@@ -212,6 +215,11 @@ fn speed(item: &Item, autopilot: Autopilot) -> Result<Order, String> {
     if kind.is_nan() || !(kind.trunc().abs() < 0.5 || (kind.trunc() - 1.0).abs() < 0.5) {
         return Err(format!(
             "DO_CHANGE_SPEED of kind {kind} changes the vertical speed"
+        ));
+    }
+    if autopilot == Autopilot::ArduPilot && (0.0..MIN_SPEED_MPS).contains(&speed_mps) {
+        return Err(format!(
+            "DO_CHANGE_SPEED to {speed_mps} m/s: ArduPilot leaves the speed as it is below {MIN_SPEED_MPS} m/s"
         ));
     }
     if speed_mps > 0.0 && speed_mps.is_finite() {

@@ -12,7 +12,7 @@ mod param_fence;
 mod stops;
 pub(crate) mod tasks;
 
-use crate::autopilot::{ParameterRow, parameter};
+use crate::autopilot::{ParameterRow, command_row, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, MissionType, VehicleMission, as_set, command};
 use crate::numeric::digits::float32;
@@ -127,9 +127,14 @@ impl MissionCheck<'_> {
         let at = segment.map(|segment| segment.moment(&self.world.frame, 0.0));
         let required = Requirement::at_least(Limit::ItemsJudged, total, "items");
         let stays = matches!(self.flight.end, Some(End::Stays(_)));
-        let how = match stays {
-            true => " (NAV_LOITER_UNLIM) for ever",
-            false => "",
+        let ok = is_harmless || stays && self.vehicle.finish == Finish::Loiter;
+        let item = row
+            .checked_sub(1)
+            .and_then(|index| self.mission.items.get(index));
+        let command = item.and_then(|item| command_row(item.command));
+        let how = match command.filter(|_| stays) {
+            Some(command) => format!(" ({}) for ever", command.name),
+            None => String::new(),
         };
         let note = match is_harmless {
             true => format!("the vehicle {why} item {row}: those after it are never flown"),
@@ -139,7 +144,7 @@ impl MissionCheck<'_> {
             ),
         };
         Margin {
-            ok: is_harmless || stays && self.vehicle.finish == Finish::Loiter,
+            ok,
             note,
             ..required.margin(self.id(), count(row), at)
         }

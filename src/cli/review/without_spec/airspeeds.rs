@@ -35,7 +35,9 @@ pub(super) fn limit(mission: &mut VehicleMission, id: &str, assumed: &mut Vec<St
         return;
     };
     let mut changes = changes(&mission.items, (mission.autopilot, mission.airframe));
-    let is_above = changes.any(|(_, item)| f64::from(item.params[1]) > max_mps);
+    let cruise_mps = mission.param_si(mission.facts().defaults.cruise_parameter);
+    let is_above = changes.any(|(_, item)| f64::from(item.params[1]) > max_mps)
+        || cruise_mps.is_some_and(|mps| mps > max_mps);
     if mission.airframe.has_wing() || !is_above {
         return;
     }

@@ -4,7 +4,7 @@
 use crate::autopilot::{Airframe, Autopilot, other_name, parameter};
 use crate::cli::args::Limits;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{Item, Parameter, VehicleMission, command, frame};
+use crate::mission::{Item, Parameter, VehicleMission, command, frame, lean_limit_deg};
 use crate::path::heading_rad;
 use crate::spec::Vehicle;
 use crate::verify::{Limit, Margin};
@@ -126,25 +126,27 @@ fn arms(vehicle: &Vehicle, mission: &VehicleMission) -> Option<String> {
     has_wing.then(|| format!("{}: {why}", vehicle.id))
 }
 
-/// The version of the spec: where times are judged, that in which a copter must reach its speeds (2), if it is commanded
-/// more than its autopilot has by default.
+/// The version of the spec: where times are judged, that in which copters must reach their speeds (2), if one is held to it.
 pub(super) fn version(missions: &[(usize, VehicleMission)], limits: &Limits) -> u32 {
     let mut missions = missions.iter();
-    let is_faster = missions.any(|(_, mission)| asks_for_more_speed(mission));
-    match limits.separation.is_some() && is_faster {
+    let is_held = missions.any(|(_, mission)| must_reach_its_speed(mission));
+    match limits.separation.is_some() && is_held {
         true => 2,
         false => 1,
     }
 }
 
-/// Whether a copter is commanded more than the speed that its autopilot has by default.
-fn asks_for_more_speed(mission: &VehicleMission) -> bool {
+/// Whether a copter is commanded more than the speed that its autopilot has by default, or leans less than by default.
+pub(super) fn must_reach_its_speed(mission: &VehicleMission) -> bool {
     let defaults = mission.facts().defaults;
+    let stock_deg = mission.facts().behaviour.lean_deg;
+    let leans_less = lean_limit_deg(mission).is_some_and(|held_deg| held_deg < stock_deg - 1e-3);
     let stock_mps = defaults.cruise_mps();
     let held_mps = mission.param_si(defaults.cruise_parameter);
     let changes = airspeeds::changes(&mission.items, (mission.autopilot, mission.airframe));
     let commanded_mps = changes.map(|(_, item)| f64::from(item.params[1]));
-    mission.airframe == Airframe::Copter && commanded_mps.chain(held_mps).any(|mps| mps > stock_mps)
+    let is_faster = commanded_mps.chain(held_mps).any(|mps| mps > stock_mps);
+    mission.airframe == Airframe::Copter && (leans_less || is_faster)
 }
 
 /// Adds the speed of a return where the mission commanded another one, which that forgets, and the sentence for it.

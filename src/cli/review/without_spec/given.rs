@@ -1,7 +1,8 @@
 //! What of a review was judged against a limit that was given.
 
+use super::assumed::must_reach_its_speed;
 use crate::cli::args::Limits;
-use crate::mission::{VehicleMission, frame};
+use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::MissionSpec;
 use crate::verify::{Basis, Landed, Limit, Margin, Review, landings};
 
@@ -72,8 +73,11 @@ fn is_judged(margin: &Margin, judged: Judged<'_>, limits: &Limits) -> bool {
         return true;
     }
     if margin.limit == Limit::FlyableSpeed {
-        // Judged where times are: see `without_spec::around`.
-        return limits.separation.is_some();
+        // Judged where times are, of those that are not as they come: see `without_spec::around`.
+        return limits.separation.is_some()
+            && missions.iter().any(|(index, mission)| {
+                spec.vehicles[*index].id == margin.vehicle && must_reach_its_speed(mission)
+            });
     }
     match (flag(margin.limit.basis(), limits), margin.limit.basis()) {
         (Some((is_given, ..)), _) => is_given,
@@ -89,6 +93,7 @@ pub(crate) fn keep_given(review: &mut Review, judged: Judged<'_>, limits: &Limit
     review
         .margins
         .retain(|margin| margin.limit != Limit::LandingPlace && is_judged(margin, judged, limits));
+    fail_what_is_never_flown(review, judged);
     if let Some(separation_m) = limits.separation {
         // No file says that vehicles share a place on purpose.
         let found = landings(&review.tracks, Landed::Stay, separation_m);
@@ -117,4 +122,20 @@ pub(crate) fn keep_given(review: &mut Review, judged: Judged<'_>, limits: &Limit
         .filter(|(is_given, ..)| !is_given)
         .map(|(_, name, flag)| format!("{name} ({flag})"))
         .collect()
+}
+
+/// Places behind a `NAV_LOITER_UNLIM` are never flown: no spec says that the mission is to end there.
+fn fail_what_is_never_flown(review: &mut Review, (spec, missions): Judged<'_>) {
+    let is_endless = |item: &&Item| item.command == command::NAV_LOITER_UNLIM;
+    let moves = |item: &Item| item.command <= command::NAV_LAST && item.place().is_some();
+    for (index, mission) in missions {
+        let mut items = mission.items.iter();
+        let goes_on = items.find(is_endless).is_some() && items.any(moves);
+        let id = &spec.vehicles[*index].id;
+        for margin in &mut review.margins {
+            if goes_on && margin.limit == Limit::ItemsJudged && margin.vehicle == *id {
+                margin.ok &= margin.value >= margin.bound;
+            }
+        }
+    }
 }

@@ -23,8 +23,18 @@ fn suffices(name: &str, held: f32, value: f32) -> bool {
 fn checked(
     planned: &[(&str, f32)],
     set: bool,
-    mut answer: impl FnMut(&str, Option<f32>) -> Option<f32>,
+    answer: impl FnMut(&str, Option<f32>) -> Option<f32>,
 ) -> (Vec<String>, Time) {
+    let (differences, _, until) = checked_and_set(planned, set, answer);
+    (differences, until)
+}
+
+/// The same, and between both what is said to be set.
+fn checked_and_set(
+    planned: &[(&str, f32)],
+    set: bool,
+    mut answer: impl FnMut(&str, Option<f32>) -> Option<f32>,
+) -> (Vec<String>, Option<String>, Time) {
     let planned: Vec<Parameter> = (planned.iter())
         .map(|(name, value)| Parameter {
             name: (*name).to_owned(),
@@ -52,7 +62,8 @@ fn checked(
         }
         now = now + REPEAT_MS;
     }
-    (check.outcome().unwrap_or_default().to_vec(), now)
+    let differences = check.outcome().unwrap_or_default().to_vec();
+    (differences, check.was_set(), now)
 }
 
 /// The differences that a vehicle is found to have which knows these names alone.
@@ -86,6 +97,20 @@ fn a_parameter_that_goes_back_after_it_was_set_is_a_difference() {
     assert!(found[0].contains("MPC_Z_V_AUTO_UP is 3"), "{found:?}");
     let in_order = [planned[1], planned[0]];
     assert!(outcome(&in_order).is_empty());
+}
+
+#[test]
+fn a_parameter_that_is_not_taken_is_not_said_to_be_set() {
+    let planned = [("WPNAV_RADIUS", 500.0)];
+    let (found, set, _) = checked_and_set(&planned, true, |_, _| Some(1000.0));
+    assert_eq!(found, ["parameter WPNAV_RADIUS does not take 500"]);
+    assert_eq!(set, None);
+    let mut held = 1000.0;
+    let (found, set, _) = checked_and_set(&planned, true, |_, set| {
+        held = set.unwrap_or(held);
+        Some(held)
+    });
+    assert!(found.is_empty() && set.is_some_and(|set| set.ends_with("from 1000 to 500")));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{Pilot, SAME_PLACE_M};
 use crate::autopilot::{Autopilot, Motion, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{Item, ParamFence, VehicleMission, command, cruise_speed_mps};
+use crate::mission::{Item, ParamFence, VehicleMission, command, first_speed_mps};
 use crate::numeric::digits::float32;
 use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
@@ -174,7 +174,7 @@ impl Pilot<'_> {
     /// `Navigator::reset_cruising_speed`, and ArduPlane's `Mode::enter` clears `new_airspeed_cm`).
     fn forget_speed(&mut self, mission: &VehicleMission) {
         let own_mps = mission.param_si("RTL_SPEED").filter(|mps| *mps > 0.0);
-        let held_mps = own_mps.or_else(|| cruise_speed_mps(mission));
+        let held_mps = own_mps.or_else(|| first_speed_mps(mission, self.vehicle.speed_mps));
         let speed_mps = held_mps.unwrap_or(self.vehicle.speed_mps);
         // A float32 in centimetres is the commanded speed.
         let is_it = |mps: f64| (mps - speed_mps).abs() < SAME_MPS;
