@@ -207,7 +207,7 @@ fn a_copter_that_may_not_lean_fails_at_its_default_speed_and_another_one_changes
     );
 }
 
-/// `AC_WPNav::set_speed_NE_cms`; `copter.waypoints` behind a circle without an end were counted as judged.
+/// `AC_WPNav::set_speed_NE_cms` ignores the speed; places after `NAV_LOITER_UNLIM` passed as if they were flown.
 #[test]
 fn speeds_that_are_ignored_and_places_after_an_endless_circle_fail() {
     let up = || Row(22, 3, [0.0; 4], 46.0, 8.0, 50.0);

@@ -169,9 +169,9 @@ impl<'a> Conflicts<'a> {
         let mut new = all.to_vec();
         new.retain(|flown| !self.flies.contains_key(flown));
         self.fly(&new);
-        let this = &*self;
         let wings = (new.iter()).filter(|(vehicle, _)| self.fleet[*vehicle].has_wing());
-        let work = JUDGING_A_WING * wings.count();
+        self.work += JUDGING_A_WING * wings.count();
+        let this = &*self;
         let judged: Vec<(Flown, bool)> = (new.into_par_iter())
             .map(|flown| {
                 let flight = this.flights.get(&flown);
@@ -180,7 +180,6 @@ impl<'a> Conflicts<'a> {
                 (flown, flight.is_some_and(keeps))
             })
             .collect();
-        self.work += work;
         self.flies.extend(judged);
     }
 
