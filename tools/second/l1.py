@@ -46,6 +46,7 @@ class Law:
     pace = 1.0  # speed through the air, as a share of that of the leg
     side = 1  # where the course is more than 170 degrees off, it turns to the left
     may_turn_either_way = False  # whether its last way had such a place
+    turns_back = False  # whether one of PX4 had: the step at which it is 150 degrees off decides where, up to 9 m were seen
 
     paces = 1.0, 1.0 + FASTER_SHARE
 
@@ -156,7 +157,6 @@ class Px4Law(Law):
     turning_share = 0.95
     side = 1  # where the heading is more than 150 degrees off, it turns to the right
     early = False  # takes the next leg within the switch distance, as 1.18 does
-    turns_back = False  # the step at which it comes within 150 degrees decides where: up to 9 m were seen
 
     def __init__(self, params, load_factor, is_windy):
         self.paces = (1.0, 1.0 - SLOWER_SHARE) if is_windy else (1.0,)

@@ -249,8 +249,8 @@ class WingFlight(Circles, Flight):
 
     @property
     def undecided(self):
-        """What the verdict may be nearer by, as steps of the integration are others: half of the radius of a turn, metres."""
-        return self.turn_radius / 2 if getattr(self.law, "turns_back", False) else 0.0
+        """Half a turn radius, metres, where a VTOL turns back: other steps of the integration bring the verdict nearer."""
+        return self.turn_radius / 2 if self.law.turns_back and self.vehicle["airframe"] == "vtol" else 0.0
 
     def append(self, knot):
         if distance(knot.at, self.knots[-1].at) > 0.025:
