@@ -19,10 +19,10 @@ use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::{MissionSpec, Stop};
 use crate::tasks::{Assigner, FleetTasks, FreeOrder, free_orders, in_order, orders_in_time};
-use crate::verify::{Limit, Margin, Review, Reviewer};
+use crate::verify::{Limit, Margin, Repair, Review, Reviewer};
 use crate::world::World;
 
-use rounds::dispatch_in_rounds;
+use rounds::{dispatch_closely, dispatch_in_rounds};
 use tighten::Strictness;
 
 pub use anytime::{Improved, Improving};
@@ -339,6 +339,12 @@ fn with_nested_budgets(job: Job<'_>) -> Dispatched {
             try_with(&mut best, evaluations);
         }
     }
+    if best.breaks_a_static_limit() && !job.run.is_cancelled() {
+        let close = dispatch_closely(job);
+        if close.is_better_than(best.rank()) {
+            best = close;
+        }
+    }
     for evaluations in budgets::parts(job.spec) {
         let mut broken = best.review.margins.iter().filter(|margin| !margin.ok);
         let may_be_found =
@@ -417,6 +423,17 @@ impl Dispatched {
     fn is_better_than(&self, (violated, cost): (usize, f64)) -> bool {
         let own = self.rank();
         own.0 < violated || own.0 == violated && own.1 < cost
+    }
+
+    /// Whether the ground, a ceiling, a threat or a zone is too near to a path.
+    fn breaks_a_static_limit(&self) -> bool {
+        let mut broken = self.review.margins.iter().filter(|margin| !margin.ok);
+        broken.any(|margin| {
+            matches!(
+                margin.limit.repair(),
+                Some(Repair::Clearance | Repair::Height | Repair::Obstacle)
+            )
+        })
     }
 
     fn violated(&self) -> usize {

@@ -22,10 +22,18 @@ const FRUITLESS: usize = 2;
 
 /// Dispatches a fleet one vehicle after the other, with those that fail planned again.
 pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
+    dispatch_from(job, Strictness::first(job.spec))
+}
+
+/// The same from margins that leave hardly more than the limits, for ways that are as narrow.
+pub(super) fn dispatch_closely(job: Job<'_>) -> Dispatched {
+    dispatch_from(job, Strictness::closest(job.spec))
+}
+
+fn dispatch_from(job: Job<'_>, mut strictness: Strictness) -> Dispatched {
     let Job {
         spec, world, run, ..
     } = job;
-    let mut strictness = Strictness::first(spec);
     let plan_again =
         |round: usize, strictness: &Strictness, previous: Option<(&FleetPlan, &[usize])>| {
             let progress = |at| (run.watch)(Stage::Planning(round, at));

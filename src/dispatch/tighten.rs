@@ -36,10 +36,15 @@ const MAX_MISSING: f64 = 0.5;
 const MAX_FRUITLESS: usize = 2;
 /// Buffer of copters in the first round, metres.
 const NEAREST_M: f64 = 0.5;
-/// The same above ground that is not flat, where legs aside of the path are higher or lower over it.
+/// The same where no way is as wide.
+const CLOSEST_M: f64 = 0.05;
+/// The first again, above ground that is not flat, where legs aside of the path are higher or lower over it.
 const OVER_TERRAIN_M: f64 = 1.5;
 /// The least that is added to a small buffer: height above ground costs all along the path.
 const MIN_MORE_M: f64 = 0.25;
+/// How many times greater a buffer from obstacles becomes where more was not enough before, up to the
+/// tolerance.
+const GROWTH: f64 = 2.0;
 /// How much further from its limits a path is moved that needs too many items.
 const FURTHER: f64 = 3.0;
 /// Least step of a margin that is a fraction.
@@ -75,6 +80,17 @@ impl Strictness {
             parameters: vec![Vec::new(); spec.vehicles.len()],
             missing: BTreeMap::new(),
         }
+    }
+
+    /// The same where hardly more than the limits is kept.
+    pub(super) fn closest(spec: &MissionSpec) -> Self {
+        let mut first = Self::first(spec);
+        for margins in &mut first.margins {
+            margins.clearance_m = margins.clearance_m.min(CLOSEST_M);
+            margins.under_m = margins.under_m.min(CLOSEST_M);
+            margins.threat_m = margins.threat_m.min(CLOSEST_M);
+        }
+        first
     }
 
     /// Becomes stricter for every violated margin that planning can repair. Returns the vehicles
@@ -178,7 +194,13 @@ impl Strictness {
             Repair::Obstacle => {
                 // One path may break more limits at one place, which need no more together.
                 let more_m = missing + (0.5 * before.threat_m).clamp(MIN_MORE_M, EXTRA_M);
-                let raised_m = raised_m(before.threat_m, more_m, spec);
+                // Narrow streets close where it grows at once to the tolerance.
+                let grown_m = (GROWTH * before.threat_m).min(spec.mission.tolerance_m);
+                let min_m = match before.threat_m > NEAREST_M {
+                    true => grown_m,
+                    false => 0.0,
+                };
+                let raised_m = (before.threat_m + more_m).max(min_m);
                 margins.threat_m = margins.threat_m.max(raised_m);
             }
             Repair::Separation => {

@@ -73,6 +73,21 @@ fn a_zone_is_flown_around_where_the_climb_over_it_costs_more() {
     assert!(cost < 5.3, "{cost}");
 }
 
+/// 76 blocks with streets of 26 m, of which buffers of 10 m leave six; some are closed above 560 or 570 m,
+/// others below 560 or 640 m. A straight line is 1.25 km.
+#[test]
+fn streets_of_26_m_some_closed_above_and_some_below_are_flown_through() {
+    let cost = passing_cost("streets.yaml");
+    assert!(cost > 1.2 && cost < 1.9, "{cost}");
+}
+
+/// Between the lowest altitude and a zone above it half a metre is left.
+#[test]
+fn half_a_metre_between_the_lowest_altitude_and_a_zone_is_enough() {
+    let cost = passing_cost("window.yaml");
+    assert!(cost < 3.62, "{cost}");
+}
+
 /// A reserve up to 70 m above the ground and a control zone from 76 m, buffers included: a layer that
 /// has no space for the margins of a search on both sides. The way through it is 4.72 km at least.
 #[test]

@@ -22,6 +22,17 @@ const AT_WALL_SHARE: f64 = 1.0;
 /// Nodes this near to an end are open, in cells: an end may lie within a margin.
 const AT_ENDS_CELLS: f64 = 1.5;
 
+/// Which zones with a floor or a ceiling may be passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Passing {
+    /// Those that a path has space over or under.
+    Any,
+    /// Those that are above the lowest altitude.
+    Under,
+    /// Those that are below the ceiling.
+    Over,
+}
+
 /// The distance of every node of a grid to what is closed.
 pub(crate) struct FreeSpace {
     grid: Grid,
@@ -34,7 +45,11 @@ pub(crate) struct FreeSpace {
 
 impl FreeSpace {
     /// The free space of a route, with distances up to `reach_m`.
-    pub(crate) fn new(context: &RouteContext<'_>, grid: Grid, reach_m: f64) -> Self {
+    pub(crate) fn new(
+        context: &RouteContext<'_>,
+        (grid, reach_m): (Grid, f64),
+        passing: Passing,
+    ) -> Self {
         let (world, layer) = (context.world, context.layer());
         let floor_m: Vec<f64> = (0..grid.len())
             .into_par_iter()
@@ -49,7 +64,7 @@ impl FreeSpace {
         };
         space.close_threats(context);
         for zone in &world.zones {
-            if zone.is_open_below(world.max_amsl) {
+            if zone.is_open_below(world.max_amsl) && space.may_pass(context, zone, passing) {
                 space.raise_past(context, zone);
             } else {
                 space.close_zone(context, zone);
@@ -104,6 +119,23 @@ impl FreeSpace {
         }
         for node in crossed_nodes(&self.grid, zone) {
             self.clearance_m[node] = self.clearance_m[node].min(0.0);
+        }
+    }
+
+    /// Whether a zone with a floor or a ceiling is passed.
+    fn may_pass(&self, context: &RouteContext<'_>, zone: &PlanZone, passing: Passing) -> bool {
+        let is_above = || {
+            let (low, high) = Ring::around(&zone.outline).bounds();
+            let nodes = self.nodes_around(low, high, zone.buffer_m);
+            nodes.into_iter().all(|node| {
+                let ground_m = context.world.ground.height_m(self.grid.at(node));
+                self.floor_m[node] < zone.closed_m(ground_m).0
+            })
+        };
+        match passing {
+            Passing::Any => true,
+            Passing::Under => is_above(),
+            Passing::Over => !is_above(),
         }
     }
 

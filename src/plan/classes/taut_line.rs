@@ -14,8 +14,12 @@ use crate::world::PlanZone;
 /// Corners further from the path are not passed, in turn radii, and at least in metres.
 const NEAR_RADII: f64 = 4.0;
 const NEAR_M: f64 = 100.0;
+/// Shares of that, the next where there are too many corners.
+const NEARER: [f64; 3] = [1.0, 0.5, 0.25];
 /// Most corners: edges between more of them take too long.
-const MAX_CORNERS: usize = 240;
+const MAX_CORNERS: usize = 600;
+/// How far back along the path a line may lead, metres: around one bend of it.
+const BACK_M: f64 = 25.0;
 /// Lines pass corners at this distance, metres.
 const AWAY_M: f64 = 0.02;
 /// Corners of a threat, and those of a whole turn around the corner of a zone with a buffer.
@@ -42,7 +46,7 @@ pub(crate) struct Bend {
 struct Corner {
     at: Point,
     around: (Point, f64),
-    along: usize,
+    along_m: f64,
 }
 
 /// The shortest line along a path that is given by many points, ends included; none where there are
@@ -53,23 +57,16 @@ pub(crate) fn taut_line(
     radius_m: f64,
 ) -> Option<Vec<Bend>> {
     let path: Vec<Point> = path.iter().map(|&at| plane(at)).collect();
-    let near_m = (NEAR_RADII * radius_m).max(NEAR_M);
-    let (closed, corners) = Closed::along(context, &path, near_m);
     let (&first, &last) = (path.first()?, path.last()?);
-    let mut nodes: Vec<Corner> = corners
-        .into_iter()
-        .filter_map(|corner| {
-            let along = nearest(&path, corner.at, near_m)?;
-            Some(Corner { along, ..corner })
-        })
-        .filter(|corner| !closed.holds(corner.at))
-        .collect();
-    nodes.sort_by_key(|corner| corner.along);
-    if nodes.len() > MAX_CORNERS {
-        return None;
-    }
+    let nears = NEARER.map(|share| share * (NEAR_RADII * radius_m).max(NEAR_M));
+    let (closed, mut nodes) = (nears.iter())
+        .map(|near_m| corners_near(context, &path, *near_m))
+        .find(|(_, nodes)| nodes.len() <= MAX_CORNERS)?;
     nodes.insert(0, Corner::place(first));
-    nodes.push(Corner::place(last));
+    nodes.push(Corner {
+        along_m: f64::INFINITY,
+        ..Corner::place(last)
+    });
     let line = shortest(&nodes, &closed)?;
     let at = |[east_m, north_m]: Point| EastNorth { east_m, north_m };
     let bend = |corner: Corner| Bend {
@@ -79,16 +76,46 @@ pub(crate) fn taut_line(
     Some(line.into_iter().map(bend).collect())
 }
 
-/// The shortest line from the first of some nodes to the last, in order along the path.
+/// What is closed along a path, and its corners near the path, in order along it.
+fn corners_near(context: &RouteContext<'_>, path: &[Point], near_m: f64) -> (Closed, Vec<Corner>) {
+    let (closed, corners) = Closed::along(context, path, near_m);
+    let mut gone_m = vec![0.0];
+    for pair in path.windows(2) {
+        gone_m.push(gone_m[gone_m.len() - 1] + distance(pair[0], pair[1]));
+    }
+    let mut nodes: Vec<Corner> = corners
+        .into_iter()
+        .filter_map(|corner| {
+            let along_m = gone_m[nearest(path, corner.at, near_m)?];
+            Some(Corner { along_m, ..corner })
+        })
+        .filter(|corner| !closed.holds(corner.at))
+        .collect();
+    nodes.sort_by(|a, b| a.along_m.total_cmp(&b.along_m));
+    (closed, nodes)
+}
+
+/// The shortest line from the first of some nodes to the last, onward along the path: back by no more
+/// than the corners around one bend of it.
 fn shortest(nodes: &[Corner], closed: &Closed) -> Option<Vec<Corner>> {
     let last = nodes.len() - 1;
     let mut min_m = vec![f64::INFINITY; nodes.len()];
     let mut before = vec![0; nodes.len()];
+    let mut open: Vec<usize> = (0..nodes.len()).collect();
     min_m[0] = 0.0;
-    for to in 1..=last {
-        for from in 0..to {
+    while !open.is_empty() {
+        let (place, &from) =
+            (open.iter().enumerate()).min_by(|a, b| min_m[*a.1].total_cmp(&min_m[*b.1]))?;
+        if from == last || min_m[from].is_infinite() {
+            break;
+        }
+        open.swap_remove(place);
+        for &to in &open {
             let length_m = min_m[from] + distance(nodes[from].at, nodes[to].at);
-            if length_m < min_m[to] && closed.is_free(nodes[from].at, nodes[to].at) {
+            if length_m < min_m[to]
+                && nodes[to].along_m >= nodes[from].along_m - BACK_M
+                && closed.is_free(nodes[from].at, nodes[to].at)
+            {
                 (min_m[to], before[to]) = (length_m, from);
             }
         }
@@ -117,7 +144,7 @@ impl Corner {
         Self {
             at,
             around: (at, 0.0),
-            along: 0,
+            along_m: 0.0,
         }
     }
 }

@@ -10,8 +10,10 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::fit::{Fitter, Line, Warp};
+use super::overflight::by_limits;
 use super::problem::Sampled;
 use super::seeds::seed_at;
+use super::taut::along_classes;
 use super::tighten::{FieldCost, Tightener};
 use super::{Found, Run, fine, found_among, swarms};
 use crate::cost::CostTerms;
@@ -19,7 +21,8 @@ use crate::optimize::SearchSeed;
 use crate::path::VehicleLimits;
 use crate::plan::bound::proven;
 use crate::plan::classes::HomotopyClass;
-use crate::plan::classes::corridors::corridors;
+use crate::plan::classes::corridors::{corridors, corridors_of_gaps};
+use crate::plan::classes::free_space::Passing;
 use crate::plan::classes::routes::HomotopyClasses;
 use crate::plan::route_context::{RouteContext, with_free_controls};
 use crate::plan::spline::Spline;
@@ -60,23 +63,55 @@ const MIN_BUDGET: usize = 10_000;
 const NEAR: f64 = 1.05;
 const GAIN: f64 = 5e-3;
 
-/// What was found, or where that violates a limit that no other vehicle sets, what is found
-/// through corridors, if it keeps all limits.
+/// What was found, or where that violates a limit that no other vehicle sets, what is drawn or found
+/// through corridors, if it keeps all limits; and whether it was drawn.
 pub(super) fn or_through_corridors(
     context: &RouteContext<'_>,
     run: Run<'_>,
     first: Found,
-) -> Found {
+) -> (Found, bool) {
     if !has_corridors(context) || stands(context, &first) {
-        return first;
+        return (first, false);
     }
-    let Some(homotopy) = corridors(context) else {
-        return first;
-    };
     let spent = first.evaluations;
-    let any = f64::INFINITY;
-    let (from, budget) = ((&homotopy, spent), |_| run.budget);
-    through((context, run), from, &(any..any), budget).unwrap_or(first)
+    let drawn = drawn_taut(context).map(|drawn| Found {
+        evaluations: spent,
+        ..drawn
+    });
+    if let Some(drawn) = drawn.as_ref().filter(|drawn| drawn.strict.is_clean()) {
+        return (drawn.clone(), true);
+    }
+    let through_all = || {
+        let homotopy = corridors(context)?;
+        let any = f64::INFINITY;
+        let from = (&homotopy, spent);
+        through((context, run), from, &(any..any), |_| run.budget)
+    };
+    (through_all().or(drawn).unwrap_or(first), false)
+}
+
+/// The cheapest path drawn taut through free space where every zone with a floor or a ceiling may be
+/// passed; where none keeps all limits, with those closed that the lowest path cannot pass under, or
+/// those that it can.
+fn drawn_taut(context: &RouteContext<'_>) -> Option<Found> {
+    let world = context.world;
+    let has_lids = (world.zones.iter()).any(|zone| zone.is_open_below(world.max_amsl));
+    let passings = [Passing::Any, Passing::Under, Passing::Over];
+    let tried = if has_lids {
+        &passings[..]
+    } else {
+        &passings[..1]
+    };
+    let mut best: Option<Found> = None;
+    for passing in tried {
+        let homotopy = corridors_of_gaps(context, *passing);
+        let drawn = homotopy.and_then(|homotopy| along_classes(context, &homotopy));
+        best = best.into_iter().chain(drawn).min_by(by_limits);
+        if best.as_ref().is_some_and(|best| best.strict.is_clean()) {
+            break;
+        }
+    }
+    best
 }
 
 /// What is found through corridors that the soft fields may have missed, where what was found alone
@@ -306,7 +341,7 @@ fn alone(strict: &CostTerms) -> CostTerms {
 }
 
 /// Whether a path keeps all limits but the distance from other vehicles.
-fn keeps_static_limits(strict: &CostTerms) -> bool {
+pub(super) fn keeps_static_limits(strict: &CostTerms) -> bool {
     alone(strict).is_clean()
 }
 

@@ -95,6 +95,7 @@ pub(super) struct Run<'a> {
 }
 
 /// Result of the search of one route.
+#[derive(Clone)]
 pub(super) struct Found {
     pub spline: Spline,
     /// Judged finely, without margins.
@@ -111,8 +112,12 @@ pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
     if context.is_cancelled() {
         return found_among(context, Vec::new(), 0);
     }
-    let found = corridor::or_through_corridors(context, run, search_classes(context, run));
+    let first = search_classes(context, run);
+    let (found, is_drawn) = corridor::or_through_corridors(context, run, first);
     let found = overflight::polished_or_overflight(context, taut::taut(context, found));
+    if is_drawn {
+        return found;
+    }
     match corridor::nearer_to_bound(context, run, &found) {
         Some(nearer) => overflight::polished_or_overflight(context, taut::taut(context, nearer)),
         None => found,

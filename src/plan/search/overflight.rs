@@ -89,7 +89,7 @@ fn splines(context: &RouteContext<'_>, most: f64) -> Vec<Found> {
 }
 
 /// Routes that keep all limits first, then by their cost.
-fn by_limits(a: &Found, b: &Found) -> Ordering {
+pub(super) fn by_limits(a: &Found, b: &Found) -> Ordering {
     let is_broken = |found: &Found| !found.strict.is_clean();
     let by_cost = || a.strict.total().total_cmp(&b.strict.total());
     is_broken(a).cmp(&is_broken(b)).then_with(by_cost)

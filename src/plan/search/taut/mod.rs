@@ -7,11 +7,18 @@
 
 mod belt;
 
+use rayon::prelude::*;
+
+use super::corridor::keeps_static_limits;
 use super::fit::Line;
+use super::overflight::by_limits;
 use super::polish::{fits_items, is_for_polish, plane};
 use super::{Found, along};
+use crate::cost::CostTerms;
+use crate::geodesy::EastNorth;
 use crate::numeric::as_f64;
 use crate::path::VehicleLimits;
+use crate::plan::classes::routes::HomotopyClasses;
 use crate::plan::classes::taut_line::taut_line;
 use crate::plan::route_context::RouteContext;
 use crate::spec::Airframe;
@@ -20,8 +27,13 @@ use crate::spec::Airframe;
 const WIDER: [f64; 5] = [1.03, 1.08, 1.13, 1.2, 1.35];
 /// Fewest spans of a straight line.
 const SPANS: usize = 20;
+/// Length of the pieces of the line of a class, metres, and most of them.
+const FINE_M: f64 = 5.0;
+const MAX_PIECES: f64 = 4000.0;
 /// Most control points between the ends.
 const MAX_CONTROLS: usize = 300;
+/// Classes along which lines are drawn.
+const CLASSES: usize = 8;
 
 /// A found route, or one along the shortest line near it that keeps all limits and costs less.
 pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
@@ -31,15 +43,66 @@ pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
     {
         return found;
     }
+    let path = plane(&found.spline);
+    let max_m = Line::new(path.clone()).length_m();
+    let max_cost = found.strict.total();
+    let is_better = |strict: &CostTerms| strict.is_clean() && strict.total() < max_cost;
+    match drawn(context, &path, max_m, &is_better) {
+        Some(drawn) => Found {
+            evaluations: found.evaluations,
+            ..drawn
+        },
+        None => found,
+    }
+}
+
+/// The cheapest path along the lines of some classes, each drawn taut, that keeps all limits; where
+/// none does, one that keeps those that no other vehicle sets.
+pub(super) fn along_classes(
+    context: &RouteContext<'_>,
+    homotopy: &HomotopyClasses,
+) -> Option<Found> {
+    if context.vehicle().airframe != Airframe::Copter || !is_for_polish(context) {
+        return None;
+    }
+    let lines = homotopy
+        .classes
+        .par_iter()
+        .take(CLASSES)
+        .map(|class| finely(&class.line));
+    let any_m = f64::INFINITY;
+    let drawn = lines.filter_map(|line| drawn(context, &line, any_m, &keeps_static_limits));
+    let all: Vec<Found> = drawn.collect();
+    all.into_iter().min_by(by_limits)
+}
+
+/// A line with a point every few metres.
+fn finely(line: &[EastNorth]) -> Vec<EastNorth> {
+    let line = Line::new(line.to_vec());
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "limited to the range before"
+    )]
+    let pieces = (line.length_m() / FINE_M).ceil().clamp(1.0, MAX_PIECES) as usize;
+    let at = |piece: usize| line.at(as_f64(piece) / as_f64(pieces));
+    (0..=pieces).map(at).collect()
+}
+
+/// The path along the shortest line near another one, shorter than `max_m`, with the tightest turns
+/// with which it is good.
+fn drawn(
+    context: &RouteContext<'_>,
+    path: &[EastNorth],
+    max_m: f64,
+    is_good: &(dyn Fn(&CostTerms) -> bool + Sync),
+) -> Option<Found> {
     let limits = VehicleLimits::of(context.vehicle());
     let radius_m = limits.turn_radius_m * (1.0 + context.margins.turn_fraction);
-    let path = plane(&found.spline);
-    let Some(line) = taut_line(context, &path, radius_m) else {
-        return found;
-    };
+    let line = taut_line(context, path, radius_m)?;
     let line_m = Line::new(line.iter().map(|bend| bend.at).collect()).length_m();
-    if line_m >= Line::new(path).length_m() {
-        return found;
+    if line_m >= max_m {
+        return None;
     }
     // Further samples were for another path: as they lie uneven they would call turns too tight.
     let anew = RouteContext {
@@ -55,15 +118,11 @@ pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
             continue;
         }
         let drawn = along(&anew, &free);
-        let costs_less = drawn.strict.total() < found.strict.total();
-        if drawn.strict.is_clean() && costs_less && fits_items(context, &drawn.spline) {
-            return Found {
-                evaluations: found.evaluations,
-                ..drawn
-            };
+        if is_good(&drawn.strict) && fits_items(context, &drawn.spline) {
+            return Some(drawn);
         }
     }
-    found
+    None
 }
 
 #[cfg(test)]
