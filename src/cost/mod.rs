@@ -69,6 +69,21 @@ impl CostTerms {
     pub fn is_clean(&self) -> bool {
         self.threat + self.terrain + self.turn + self.climb + self.collision <= 0.0
     }
+
+    /// The same path without other vehicles.
+    #[must_use]
+    pub fn alone(&self) -> Self {
+        Self {
+            collision: 0.0,
+            ..*self
+        }
+    }
+
+    /// Whether no limit but the distance from other vehicles is violated.
+    #[must_use]
+    pub fn keeps_static_limits(&self) -> bool {
+        self.alone().is_clean()
+    }
 }
 
 /// How much stricter than the limits a search is, so that its samples leave

@@ -10,6 +10,18 @@ const GROWTH: usize = 4;
 const PARTS: [usize; 2] = [2, 4];
 const MIN: usize = 10_000;
 
+/// Small budgets that a small fleet is planned with as well, where its vehicles pay for each other: who
+/// gives way to whom is then found otherwise, at little work.
+const SMALL: [usize; 1] = [1000];
+
+/// The small budgets below that of a spec.
+pub(super) fn small(spec: &MissionSpec) -> impl Iterator<Item = usize> {
+    let is_searched =
+        spec.planner.objective != Objective::Paper && spec.planner.algorithm == Algorithm::Msfoa;
+    let small = SMALL.into_iter().filter(move |_| is_searched);
+    small.take_while(|small| *small < spec.planner.evaluations)
+}
+
 /// Round budgets below that of a spec, each of them and the tens of them. None for what is compared
 /// with published figures at equal evaluations.
 pub(super) fn smaller(spec: &MissionSpec) -> Vec<usize> {

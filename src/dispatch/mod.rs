@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
-use crate::plan::{self, FleetPlan, Progress, Request};
+use crate::plan::{self, FleetPlan, Progress, Request, VehiclePlan};
 use crate::spec::{MissionSpec, Stop};
 use crate::tasks::{Assigner, FleetTasks, FreeOrder, free_orders, in_order, orders_in_time};
 use crate::verify::{Limit, Margin, Repair, Review, Reviewer};
@@ -84,6 +84,9 @@ impl Run<'_> {
         (self.cancel).is_some_and(|cancel| cancel.load(Ordering::Relaxed))
     }
 }
+
+/// Vehicles whose plans cost less than this many times their bounds together hardly pay for each other.
+const NEAR_BOUND: f64 = 1.005;
 
 /// Plans the fleet, and plans again the vehicles that fail, with stricter margins.
 ///
@@ -334,6 +337,16 @@ fn with_nested_budgets(job: Job<'_>) -> Dispatched {
             *best = other;
         }
     };
+    let count = job.spec.vehicles.len();
+    if (2..=degrees_of_freedom::ALWAYS).contains(&count)
+        && best.plan.cost() > NEAR_BOUND * best.plan.bound()
+    {
+        for evaluations in budgets::small(job.spec) {
+            if job.run.is_nested && !job.run.is_cancelled() {
+                try_with(&mut best, evaluations);
+            }
+        }
+    }
     for evaluations in budgets::smaller(job.spec) {
         if job.run.is_nested && !job.run.is_cancelled() {
             try_with(&mut best, evaluations);
@@ -376,10 +389,22 @@ fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     if alone.iter().any(|plan| !plan.terms.is_clean()) {
         return None;
     }
+    let best = resolved_together(job, &alone)?;
+    if best.review.passes() || alone.len() > crowd::MAX_ONE_BY_ONE || run.is_cancelled() {
+        return Some(best);
+    }
+    // With more control points a path leads aside for a part of its way.
+    let finer: Vec<VehiclePlan> = alone.iter().map(VehiclePlan::refined).collect();
+    resolved_together(job, &finer).or(Some(best))
+}
+
+/// The first plan on variants of the paths of the vehicles alone that passes, and where none does the
+/// one with the fewest conflicts.
+fn resolved_together(job: Job<'_>, alone: &[VehiclePlan]) -> Option<Dispatched> {
     let (judged_spec, judged_world) = job.judged;
     let mut reviewer = Reviewer::new(judged_spec, judged_world);
-    let specs = degrees_of_freedom::with_fewer(spec);
-    let plans = deconfliction::resolved(&specs, world, run.seed, &alone).into_iter();
+    let specs = degrees_of_freedom::with_fewer(job.spec);
+    let plans = deconfliction::resolved(&specs, job.world, job.run.seed, alone).into_iter();
     let mut best: Option<Dispatched> = None;
     for plan in plans {
         let found = judged(job, &mut reviewer, (1, plan), None);

@@ -31,7 +31,7 @@ fn passing_cost_with(name: &str, evaluations: usize, seed: u64) -> f64 {
         .map(|margin| format!("{margin:?}"))
         .collect();
     assert!(found.review.passes(), "{name}: {failed:?}");
-    found.plan.vehicles[0].terms.total()
+    found.plan.cost()
 }
 
 /// Walls 60 m thick from edge to edge of 6 km, each with a gap of 500 m at one of its ends by
@@ -86,6 +86,14 @@ fn streets_of_26_m_some_closed_above_and_some_below_are_flown_through() {
 fn half_a_metre_between_the_lowest_altitude_and_a_zone_is_enough() {
     let cost = passing_cost("window.yaml");
     assert!(cost < 3.62, "{cost}");
+}
+
+/// Three vehicles of 5, 7 and 9 m/s, the fastest the last, in a corridor in which none can pass another:
+/// one has to lead aside before it. Alone they cost 12.39.
+#[test]
+fn who_would_overtake_in_a_corridor_that_is_too_narrow_lets_others_pass_before_it() {
+    let cost = passing_cost_with("overtaking.yaml", 500, 1);
+    assert!(cost > 12.39 && cost < 12.8, "{cost}");
 }
 
 /// A reserve up to 70 m above the ground and a control zone from 76 m, buffers included: a layer that

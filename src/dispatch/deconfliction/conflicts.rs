@@ -94,6 +94,11 @@ impl<'a> Conflicts<'a> {
         self.fleet[vehicle].add_random(count, rng);
     }
 
+    /// Adds variants of a vehicle that are later from some part of its path on.
+    pub(super) fn add_delayed(&mut self, vehicle: usize) {
+        self.fleet[vehicle].add_delayed();
+    }
+
     /// Adds the variant of a vehicle by a rule for all. None if it breaks a limit of its own.
     pub(super) fn add_ruled(&mut self, vehicle: usize, rule: Ruled) -> Option<usize> {
         self.fleet[vehicle].add_ruled(rule)

@@ -25,6 +25,23 @@ const BOTH: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Highest that is combined with a bend, in vertical separations.
 const BOTH_UP_TO: f64 = 3.0;
 
+/// Parts of a route in which it leads aside to be later, by their middle and half of their length, as
+/// shares of it, and how far, in separations.
+const DELAYED_AT: [(f64, f64); 8] = [
+    (0.05, 0.045),
+    (0.07, 0.065),
+    (0.09, 0.085),
+    (0.13, 0.12),
+    (0.2, 0.15),
+    (0.35, 0.2),
+    (0.5, 0.2),
+    (0.7, 0.2),
+];
+const DELAYED_BY: [f64; 8] = [1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 13.0];
+
+/// How soon in its part it is furthest aside: a third of the part is level.
+const STEEP: f64 = 1.5;
+
 /// Least share of a route over which it rises, and metres for each metre that it rises.
 const RAMP: f64 = 0.12;
 const GENTLE: f64 = 11.0;
@@ -102,6 +119,37 @@ pub(super) fn shapes(shape: &Shape, separation: &Separation) -> Vec<Shape> {
         moves.map(move |change| moved(shape, route, change))
     });
     once(shape.clone()).chain(moved).collect()
+}
+
+/// Shapes that lead aside for a part of their way, so far that the rest is flown later: what a vehicle
+/// flies that must not be between others before they have passed.
+pub(super) fn delayed(shape: &Shape, separation: &Separation) -> Vec<Shape> {
+    let (side_m, _) = units(separation);
+    let mut all = Vec::new();
+    for route in 0..shape.control_points.len() {
+        for part in DELAYED_AT {
+            let asides = DELAYED_BY.into_iter().flat_map(|aside| [aside, -aside]);
+            all.extend(asides.map(|aside| led_aside(shape, route, part, aside * side_m)));
+        }
+    }
+    all
+}
+
+/// A shape with one route bent over a part of it, by its middle and half of its length.
+fn led_aside(shape: &Shape, route: usize, (middle, half): (f64, f64), aside_m: f64) -> Shape {
+    let mut shape = shape.clone();
+    let points = &mut shape.control_points[route];
+    let Some((left_east, left_north)) = across(points) else {
+        return shape;
+    };
+    let shares = shares(points);
+    let last = points.len() - 1;
+    for (point, share) in points.iter_mut().zip(shares).take(last).skip(1) {
+        let bump = (STEEP * (1.0 - (share - middle).abs() / half)).clamp(0.0, 1.0);
+        point.at.east_m += bump * aside_m * left_east;
+        point.at.north_m += bump * aside_m * left_north;
+    }
+    shape
 }
 
 /// One more shape around a shape, bent, swaying and raised at random.

@@ -95,6 +95,9 @@ impl<'s, 'a> Search<'s, 'a> {
             if beginning > 0 {
                 order.shuffle(&mut self.rng);
             }
+            if beginning == 1 {
+                (0..count).for_each(|vehicle| self.conflicts.add_delayed(vehicle));
+            }
             let mut choice = self.in_order(&order)?;
             let more = if beginning > 0 { MORE } else { 0 };
             let repaired = self.repair(&mut choice, more);

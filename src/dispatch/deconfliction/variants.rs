@@ -13,7 +13,7 @@ use crate::spec::{MissionSpec, Span, Vehicle};
 use crate::verify::{Executed, Judge};
 use crate::world::World;
 
-use super::moves::{Ruled, between, blend, even, nudged, random, ruled, shapes};
+use super::moves::{Ruled, between, blend, delayed, even, nudged, random, ruled, shapes};
 
 /// Departures of a window that are tried with the path alone.
 const DEPARTURES: u32 = 30;
@@ -138,6 +138,15 @@ impl<'a> Variants<'a> {
             let later_s = self.later_s[one_of(self.later_s.len())];
             self.add(vec![shape], speed, &[later_s]);
         }
+    }
+
+    /// Adds shapes around the first that are later from some part of them on.
+    pub(super) fn add_delayed(&mut self) {
+        let Some(first) = self.all.first() else {
+            return;
+        };
+        let separation = self.shapers[0].spec().buffered_separation();
+        self.add(delayed(&first.shape, &separation), 0, &[first.later_s]);
     }
 
     /// Adds variants near to one, at random: bent a little, or drawn towards the first, and where

@@ -175,6 +175,25 @@ impl VehiclePlan {
     }
 }
 
+/// Most control points of a path that is refined.
+const MAX_CONTROLS: usize = 70;
+
+impl VehiclePlan {
+    /// The same paths with two to four times as many control points, as far as these are few.
+    #[must_use]
+    pub fn refined(&self) -> Self {
+        let mut plan = self.clone();
+        for route in &mut plan.routes {
+            let mut spline = Spline::through(&route.control_points);
+            while 2 * spline.east_m.len() <= MAX_CONTROLS && spline.east_m.len() >= 4 {
+                spline = spline.halved();
+            }
+            route.control_points = spline.points();
+        }
+        plan
+    }
+}
+
 /// Something made with a request that asks for nothing.
 fn with_planning<T>(
     spec: &MissionSpec,

@@ -10,7 +10,6 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::fit::{Fitter, Line, Warp};
-use super::overflight::by_limits;
 use super::problem::Sampled;
 use super::seeds::seed_at;
 use super::taut::along_classes;
@@ -106,7 +105,7 @@ fn drawn_taut(context: &RouteContext<'_>) -> Option<Found> {
     for passing in tried {
         let homotopy = corridors_of_gaps(context, *passing);
         let drawn = homotopy.and_then(|homotopy| along_classes(context, &homotopy));
-        best = best.into_iter().chain(drawn).min_by(by_limits);
+        best = best.into_iter().chain(drawn).min_by(Found::by_limits);
         if best.as_ref().is_some_and(|best| best.strict.is_clean()) {
             break;
         }
@@ -177,7 +176,7 @@ fn through(
     costs: &Range<f64>,
     budget: impl Fn(usize) -> usize,
 ) -> Option<Found> {
-    let cost = |fits: &Fits| alone(&fits.best.strict).total();
+    let cost = |fits: &Fits| fits.best.strict.alone().total();
     let least = homotopy.classes.first().map_or(0.0, |class| class.cost);
     let enough = costs.start.min(OF_CHEAPEST * least);
     let mut cheapest: Option<Fits> = None;
@@ -213,7 +212,7 @@ fn through(
     };
     let is_clean = fits.are_clean();
     let found = searched_from(context, run, homotopy, (fits.seeds, fits.best));
-    (is_clean || keeps_static_limits(&found.strict)).then_some(found)
+    (is_clean || found.strict.keeps_static_limits()).then_some(found)
 }
 
 /// Fits with a number of control points, and the best of them.
@@ -245,7 +244,7 @@ impl Fits {
     }
 
     fn are_clean(&self) -> bool {
-        keeps_static_limits(&self.best.strict)
+        self.best.strict.keeps_static_limits()
     }
 }
 
@@ -266,7 +265,7 @@ pub(super) fn stands(context: &RouteContext<'_>, found: &Found) -> bool {
     } else {
         found.terms
     };
-    keeps_static_limits(&judged)
+    judged.keeps_static_limits()
 }
 
 /// The better of a fit that keeps the limits and of what is found from it and others.
@@ -330,19 +329,6 @@ fn splines(context: &RouteContext<'_>, seeds: &[SearchSeed]) -> Vec<Spline> {
     let (frame, fine) = (context.frame(), fine(context));
     let spline = |seed: &SearchSeed| fine.spline(frame.positions(&seed.mean));
     seeds.par_iter().map(spline).collect()
-}
-
-/// What a path costs without other vehicles.
-fn alone(strict: &CostTerms) -> CostTerms {
-    CostTerms {
-        collision: 0.0,
-        ..*strict
-    }
-}
-
-/// Whether a path keeps all limits but the distance from other vehicles.
-pub(super) fn keeps_static_limits(strict: &CostTerms) -> bool {
-    alone(strict).is_clean()
 }
 
 /// Control points that the corners of the cheapest corridor need, at least those of the spec.

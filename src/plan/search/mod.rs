@@ -13,6 +13,7 @@ mod taut;
 pub(super) mod tighten;
 mod valleys;
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
@@ -104,6 +105,15 @@ pub(super) struct Found {
     pub strict: CostTerms,
     /// Evaluations spent, those of seeds included.
     pub evaluations: usize,
+}
+
+impl Found {
+    /// Routes that keep all limits first, then by their cost.
+    fn by_limits(&self, other: &Self) -> Ordering {
+        let is_broken = |found: &Self| !found.strict.is_clean();
+        let by_cost = || self.strict.total().total_cmp(&other.strict.total());
+        is_broken(self).cmp(&is_broken(other)).then_with(by_cost)
+    }
 }
 
 /// Searches one route within a budget; where that finds no path that keeps the limits, once more

@@ -5,8 +5,6 @@
 //! splines with control points at each bend, at altitudes that are over zones from edge to edge.
 //! What the default found stands unless one of these keeps all limits and costs less.
 
-use std::cmp::Ordering;
-
 use rayon::prelude::*;
 
 use super::corridor::stands;
@@ -58,7 +56,7 @@ pub(super) fn polished_or_overflight(context: &RouteContext<'_>, found: Found) -
         laid.push(along(context, &outline));
     }
     laid.extend(splines(context, most));
-    laid.sort_by(by_limits);
+    laid.sort_by(Found::by_limits);
     laid.truncate(POLISHED);
     let evaluations = first.evaluations;
     let polished = laid.into_par_iter().map(|found| {
@@ -70,7 +68,7 @@ pub(super) fn polished_or_overflight(context: &RouteContext<'_>, found: Found) -
         polish::polished(&context, found)
     });
     let polished: Vec<Found> = polished.collect();
-    let best = polished.into_iter().min_by(by_limits);
+    let best = polished.into_iter().min_by(Found::by_limits);
     let better = best.filter(|best| best.strict.is_clean() && best.strict.total() < most);
     Found {
         evaluations,
@@ -86,13 +84,6 @@ fn splines(context: &RouteContext<'_>, most: f64) -> Vec<Found> {
     lines
         .map(|line| along(context, &controls(&line, radius_m)))
         .collect()
-}
-
-/// Routes that keep all limits first, then by their cost.
-pub(super) fn by_limits(a: &Found, b: &Found) -> Ordering {
-    let is_broken = |found: &Found| !found.strict.is_clean();
-    let by_cost = || a.strict.total().total_cmp(&b.strict.total());
-    is_broken(a).cmp(&is_broken(b)).then_with(by_cost)
 }
 
 /// The free control points of a route in the plane.

@@ -9,9 +9,7 @@ mod belt;
 
 use rayon::prelude::*;
 
-use super::corridor::keeps_static_limits;
 use super::fit::Line;
-use super::overflight::by_limits;
 use super::polish::{fits_items, is_for_polish, plane};
 use super::{Found, along};
 use crate::cost::CostTerms;
@@ -71,9 +69,10 @@ pub(super) fn along_classes(
         .take(CLASSES)
         .map(|class| finely(&class.line));
     let any_m = f64::INFINITY;
-    let drawn = lines.filter_map(|line| drawn(context, &line, any_m, &keeps_static_limits));
+    let drawn =
+        lines.filter_map(|line| drawn(context, &line, any_m, &CostTerms::keeps_static_limits));
     let all: Vec<Found> = drawn.collect();
-    all.into_iter().min_by(by_limits)
+    all.into_iter().min_by(Found::by_limits)
 }
 
 /// A line with a point every few metres.
