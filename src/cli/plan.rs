@@ -87,6 +87,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         return Err(Failure::new(Failure::OUTPUT, message));
     }
     runs::refuse_broken_off(&target)?;
+    folder::check_output(&target)?;
     let world = world::load(&file)?;
     check::warn(&file, &world);
     watch.split("read_s");

@@ -338,6 +338,43 @@ fn a_file_that_no_plan_wrote_keeps_its_folder_from_being_replaced() {
 }
 
 #[test]
+fn an_output_folder_that_cannot_be_written_is_refused_before_planning() {
+    // Planning this takes minutes: the answer must not wait for it.
+    let slow = SPEC.replace("evaluations: 2000", "evaluations: 400000000");
+    let folder = folder_with(&slow);
+    let root = folder.path();
+    fs::write(root.join("notes.txt"), "wind from the west").unwrap();
+    fs::create_dir(root.join("thesis")).unwrap();
+    fs::write(root.join("thesis/thesis.tex"), "").unwrap();
+    for (out, why) in [
+        ("notes.txt", "a file of this name is in the way"),
+        ("notes.txt/a/b", "notes.txt is no folder"),
+        ("thesis", "is not replaced"),
+        // Linux lets nobody make folders there, not even root.
+        ("/proc/sortie", "/proc"),
+    ] {
+        let mut program = Command::new(cargo_bin("sortie"));
+        let program = program.current_dir(root).stderr(Stdio::piped());
+        let mut child = program
+            .args(["plan", "hop.yaml", "--out", out])
+            .spawn()
+            .unwrap();
+        let is_running = |child: &mut std::process::Child| child.try_wait().unwrap().is_none();
+        let mut turns = 0..1000;
+        while is_running(&mut child) && turns.next().is_some() {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        let _ = child.kill();
+        let output = child.wait_with_output().unwrap();
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{out}: {message}");
+        assert!(message.contains(why), "{out}: {message}");
+    }
+    let names = fs::read_dir(root).unwrap().count();
+    assert_eq!(names, 3, "something was written");
+}
+
+#[test]
 fn review_of_the_files_alone_reaches_the_same_verdict() {
     let folder = folder_with(SPEC);
     assert_eq!(

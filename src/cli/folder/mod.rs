@@ -57,6 +57,14 @@ fn table_sha256(file: &SpecFile) -> Option<String> {
     file.table.as_ref().map(|table| sha256(&table.text))
 }
 
+/// Checks that [`write`] can make or replace the folder, before the planning.
+///
+/// # Errors
+/// It holds something else than an earlier plan, or cannot be written.
+pub(super) fn check_output(out: &Path) -> Result<(), Failure> {
+    Ok(replace::check(out, reason_not_to_replace)?)
+}
+
 /// Writes the output folder of `plan`, whole or not at all.
 pub(super) fn write(
     out: &Path,

@@ -34,16 +34,7 @@ impl NewFolder {
         target: &Path,
         reason_not_to_replace: impl Fn(&Path) -> Option<String>,
     ) -> Result<Self, OutputError> {
-        let target = &fs::canonicalize(target)
-            .or_else(|_| std::path::absolute(target))
-            .map_err(at(target))?;
-        if let Some(reason) = reason_not_to_replace(target) {
-            let source = io::Error::new(io::ErrorKind::AlreadyExists, reason);
-            return Err(OutputError {
-                path: target.clone(),
-                source,
-            });
-        }
+        let target = &replaceable(target, reason_not_to_replace)?;
         if let Some(parent) = target.parent() {
             fs::create_dir_all(parent).map_err(at(parent))?;
         }
@@ -126,6 +117,53 @@ impl Drop for NewFolder {
         if !self.published {
             let _ = fs::remove_dir_all(&self.building);
         }
+    }
+}
+
+/// Checks that [`NewFolder`] can appear as `target`, before the work whose result goes there.
+/// Leaves nothing behind.
+///
+/// # Errors
+/// What is there must stay, or the deepest folder of its path that exists cannot be written.
+pub(crate) fn check(
+    target: &Path,
+    reason_not_to_replace: impl Fn(&Path) -> Option<String>,
+) -> Result<(), OutputError> {
+    let target = replaceable(target, reason_not_to_replace)?;
+    let mut above = target.ancestors().skip(1);
+    let Some(parent) = above.find(|path| path.symlink_metadata().is_ok()) else {
+        return Ok(());
+    };
+    if !parent.is_dir() {
+        let source = io::Error::new(
+            io::ErrorKind::NotADirectory,
+            format!("{} is no folder", parent.display()),
+        );
+        return Err(at(&target)(source));
+    }
+    let probe = sibling(&parent.join("sortie"), "probe");
+    fs::create_dir(&probe)
+        .and_then(|()| fs::remove_dir(&probe))
+        .map_err(|error| {
+            let why = format!("{}: {error}", parent.display());
+            at(&target)(io::Error::new(error.kind(), why))
+        })
+}
+
+/// The absolute path of `target`, links followed, unless what is there must stay.
+fn replaceable(
+    target: &Path,
+    reason_not_to_replace: impl Fn(&Path) -> Option<String>,
+) -> Result<PathBuf, OutputError> {
+    let target = fs::canonicalize(target)
+        .or_else(|_| std::path::absolute(target))
+        .map_err(at(target))?;
+    match reason_not_to_replace(&target) {
+        Some(reason) => Err(at(&target)(io::Error::new(
+            io::ErrorKind::AlreadyExists,
+            reason,
+        ))),
+        None => Ok(target),
     }
 }
 
