@@ -49,6 +49,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done and verified; 1 internal, or output
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Plan, verify and write everything; with --upload also transfer it
+    #[command(after_help = PLAN)]
     Plan(Plan),
     /// Write a commented spec for a place, to begin with
     New(New),
@@ -123,10 +124,14 @@ fn latitude_longitude(text: &str) -> Result<(f64, f64), String> {
             Ok((lat_deg, lon_deg))
         }
         _ => Err(
-            "not LAT,LON in degrees, north to 85 and east to 180, such as 47.39,8.54".to_owned(),
+            "not LAT,LON in degrees such as 47.39,8.54 (allowed: latitudes between -85 and 85, longitudes from -180 to 180)".to_owned(),
         ),
     }
 }
+
+const PLAN: &str = "The table: cost is the length in km and what height adds; time is from the start to the goal at the \
+                    planned speed, or to the end of the route home with `finish: return`, without takeoff, climb to \
+                    the start and landing; each margin has its limit, buffer included, in brackets.";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Plan {
@@ -142,7 +147,7 @@ pub(super) struct Plan {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) evaluations: Option<u32>,
     /// Plan with more and more evaluations for this time, or until Ctrl-C, and take the best plan
-    #[arg(long, value_name = "SECONDS", conflicts_with = "evaluations", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", conflicts_with = "evaluations", value_parser = seconds)]
     pub(super) within: Option<f64>,
     /// Transfer to every vehicle's link; nothing is sent unless the whole fleet passes
     #[arg(long)]
@@ -210,7 +215,7 @@ pub(super) struct Limits {
     #[arg(long, value_name = "M", value_parser = finite, requires = "terrain")]
     pub(super) min_agl: Option<f64>,
     /// Ceiling, metres above mean sea level
-    #[arg(long, value_name = "M", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = finite)]
     pub(super) max_amsl: Option<f64>,
     /// Minimum distance between vehicles, metres
     #[arg(long, value_name = "M", value_parser = finite)]
@@ -256,7 +261,7 @@ pub(super) struct Limits {
     #[arg(long, value_name = "N", value_parser = finite)]
     pub(super) load_factor: Option<f64>,
     /// Altitude at which a vehicle returns to launch, metres above mean sea level
-    #[arg(long, value_name = "M", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = finite)]
     pub(super) return_amsl: Option<f64>,
     /// Home of missions that have none: latitude, longitude, metres above mean sea level
     #[arg(long, value_name = "LAT,LON,AMSL", value_parser = place, allow_hyphen_values = true)]
