@@ -27,6 +27,7 @@ pub(super) fn run(arguments: &args::New) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => PathBuf::from(format!("{}.yaml", arguments.name)),
     };
+    refuse_antimeridian(arguments.at)?;
     let spec = |ceiling_m| text(&path, arguments, ceiling_m);
     let ceiling_m = match arguments.terrain {
         Some(_) => highest_m(&checked(&path, spec(HIGHEST_M))?) + CEILING_M,
@@ -59,16 +60,30 @@ pub(super) fn run(arguments: &args::New) -> Result<(), Failure> {
     ))
 }
 
+/// An area of a spec lies on one side of the antimeridian.
+fn refuse_antimeridian((lat_deg, lon_deg): (f64, f64)) -> Result<(), Failure> {
+    // Rounded down, so that what is said to be allowed is.
+    let max_deg = (1e4 * (180.0 - degrees_east(SIDE_M, lat_deg))).floor() / 1e4;
+    if lon_deg.abs() <= max_deg {
+        return Ok(());
+    }
+    let message = format!(
+        "--at {lat_deg},{lon_deg}: an area of {} km around it would cross the antimeridian (allowed at this latitude: longitudes from -{max_deg} to {max_deg})",
+        2.0 * SIDE_M / 1000.0
+    );
+    Err(Failure::new(Failure::USAGE, message))
+}
+
+/// Degrees of longitude of a distance at a latitude, about.
+fn degrees_east(m: f64, lat_deg: f64) -> f64 {
+    m / (DEGREE_M * lat_deg.to_radians().cos())
+}
+
 /// The spec of the arguments under a ceiling.
 fn text(path: &Path, arguments: &args::New, ceiling_m: f64) -> String {
     let (lat_deg, lon_deg) = arguments.at;
-    let north = |east_of_m: f64| format!("{:.6}", lat_deg + east_of_m / DEGREE_M);
-    let east = |m: f64| {
-        format!(
-            "{:.6}",
-            lon_deg + m / (DEGREE_M * lat_deg.to_radians().cos())
-        )
-    };
+    let north = |m: f64| format!("{:.6}", lat_deg + m / DEGREE_M);
+    let east = |m: f64| format!("{:.6}", lon_deg + degrees_east(m, lat_deg));
     let terrain = match &arguments.terrain {
         Some(file) => format!("terrain: {{file: {}}}", quoted(&file.to_string_lossy())),
         None => "terrain: {flat: {amsl_m: 0}}     # the height of flat ground above the sea, or {file: ELEVATION.tif}"

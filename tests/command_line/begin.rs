@@ -25,6 +25,90 @@ fn a_new_spec_plans_wherever_it_is() {
 }
 
 #[test]
+fn a_new_spec_is_refused_where_no_area_fits_and_the_answer_is_about_the_option() {
+    let folder = tempfile::tempdir().unwrap();
+    for (at, words) in [
+        ("89.99,0", "latitudes between -85 and 85"),
+        ("-33", "latitudes between -85 and 85"),
+        (
+            "0,180",
+            "--at 0,180: an area of 3 km around it would cross the antimeridian (allowed at this latitude: longitudes from -179.9865 to 179.9865)",
+        ),
+        ("-60,-179.98", "longitudes from -179.973 to 179.973"),
+    ] {
+        let made = sortie(folder.path(), &["new", "place", "--at", at]);
+        let errors = text(&made.stderr);
+        assert_eq!(made.status.code(), Some(2), "{at}: {errors}");
+        assert!(
+            errors.contains(words) && errors.contains("--at"),
+            "{errors}"
+        );
+    }
+    for at in ["0,179.9865", "-33,151", "-60,-179.973"] {
+        let made = sortie(folder.path(), &["new", "place", "--at", at]);
+        assert_eq!(made.status.code(), Some(0), "{at}: {}", text(&made.stderr));
+        fs::remove_file(folder.path().join("place.yaml")).unwrap();
+    }
+}
+
+#[test]
+fn a_negative_number_is_the_value_of_an_option_and_never_a_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, words) in [
+        (vec!["plan", "a.yaml", "--seed", "-5"], "'-5' for '--seed"),
+        (
+            vec!["fly", "a.yaml", "--speedup", "-5"],
+            "'-5' for '--speedup",
+        ),
+        (
+            vec!["vehicles", "a.yaml", "--loss", "-5"],
+            "'-5' for '--loss",
+        ),
+        (
+            vec!["terrain", "export", "a.yaml", "--spacing", "-5"],
+            "'-5' for '--spacing",
+        ),
+        (
+            vec!["review", "a.plan", "--terrain", "a.tif", "--min-agl", "-5"],
+            "a.plan: cannot be read",
+        ),
+        (
+            vec!["review", "a.plan", "--max-amsl", "-5"],
+            "a.plan: cannot be read",
+        ),
+        (
+            vec!["review", "a.plan", "--home", "-33,151,10"],
+            "a.plan: cannot be read",
+        ),
+        (
+            vec!["replan", "a.yaml", "--threat", "-33,151,100"],
+            "a.yaml",
+        ),
+    ] {
+        let output = sortie(folder.path(), &arguments);
+        let errors = text(&output.stderr);
+        assert!(errors.contains(words), "{arguments:?}: {errors}");
+        assert!(!errors.contains("tip:"), "{arguments:?}: {errors}");
+    }
+}
+
+#[test]
+fn the_columns_of_the_table_of_a_plan_are_explained_by_its_help_and_the_guide() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = text(&sortie(folder.path(), &["plan", "--help"]).stdout);
+    let words: Vec<&str> = help.split_whitespace().collect();
+    let help = words.join(" ");
+    assert!(
+        help.contains("time is from the start to the goal"),
+        "{help}"
+    );
+    assert!(
+        help.contains("without takeoff, climb to the start and landing"),
+        "{help}"
+    );
+}
+
+#[test]
 fn a_new_spec_over_elevation_has_a_ceiling_above_its_highest_ground() {
     let folder = tempfile::tempdir().unwrap();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/terrain/jacksboro.tif");
