@@ -283,6 +283,15 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
             allowed: allowed.to_owned(),
         }],
     };
+    if path.is_dir() {
+        let own = path.join("spec.yaml");
+        let own = match own.is_file() {
+            true => format!(", such as {}", own.display()),
+            false => String::new(),
+        };
+        let allowed = format!("a mission spec, which is a YAML file{own}");
+        return Err(whole("it is a folder".to_owned(), &allowed));
+    }
     let mut bytes = Vec::new();
     open_regular(path)
         .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))

@@ -109,6 +109,32 @@ fn the_columns_of_the_table_of_a_plan_are_explained_by_its_help_and_the_guide() 
 }
 
 #[test]
+fn a_folder_in_the_place_of_a_file_is_named_with_what_is_expected() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    for command in [
+        "check", "plan", "fly", "upload", "watch", "vehicles", "migrate",
+    ] {
+        let output = sortie(folder.path(), &[command, "empty"]);
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{command}: {errors}");
+        assert!(!errors.contains("os error"), "{command}: {errors}");
+        let expected = ["upload", "watch"].contains(&command);
+        let words = match expected {
+            true => "`sortie plan`",
+            false => "a mission spec",
+        };
+        assert!(errors.contains(words), "{command}: {errors}");
+    }
+    let arguments = ["convert", "empty", "out.plan"];
+    let errors = text(&sortie(folder.path(), &arguments).stderr);
+    assert!(
+        errors.contains("it is a folder (allowed: a file)"),
+        "{errors}"
+    );
+}
+
+#[test]
 fn a_new_spec_over_elevation_has_a_ceiling_above_its_highest_ground() {
     let folder = tempfile::tempdir().unwrap();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/terrain/jacksboro.tif");

@@ -98,7 +98,15 @@ pub(crate) fn from_folder(
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    let file = SpecFile::read(&folder.join("spec.yaml"))?;
+    let spec = folder.join("spec.yaml");
+    if !spec.exists() {
+        let message = format!(
+            "{}: not a folder that `sortie plan` wrote: it holds no spec.yaml",
+            folder.display()
+        );
+        return Err(Failure::new(Failure::INPUT, message));
+    }
+    let file = SpecFile::read(&spec)?;
     let mut files = Files::new();
     for (index, vehicle) in file.spec.vehicles.iter().enumerate() {
         let accepted = folder.join(format!("{}.plan", vehicle.id));
