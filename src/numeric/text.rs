@@ -89,7 +89,11 @@ impl<W: Write> Write for JsonWriter<W> {
 /// It is something else than a regular file, or it cannot be opened.
 pub fn open_regular(path: &Path) -> io::Result<File> {
     let data = std::fs::metadata(path)?;
-    if !data.is_file() && !data.is_dir() {
+    if data.is_dir() {
+        let what = "it is a folder (allowed: a file)";
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, what));
+    }
+    if !data.is_file() {
         let what = "it is a pipe, a socket or a device (allowed: a regular file)";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
     }
@@ -140,6 +144,13 @@ pub fn meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + Clone) -
     if let Some(shortest) = with_unit.min_by_key(|known| known.len()) {
         return Some(shortest);
     }
+    let all = known.clone().into_iter();
+    if let Some(known) = all
+        .into_iter()
+        .find(|known| other_unit(word, known).is_some())
+    {
+        return Some(known);
+    }
     let like = |known: &&str| {
         let (word, known) = (word.to_lowercase(), known.to_lowercase());
         strsim::normalized_damerau_levenshtein(&word, &known)
@@ -148,6 +159,25 @@ pub fn meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str> + Clone) -
         .into_iter()
         .filter(|known| like(known) >= LIKE)
         .max_by(|a, b| like(a).total_cmp(&like(b)))
+}
+
+/// The unit of a known key, in words, if another key differs from it in the unit alone.
+#[must_use]
+pub fn other_unit(key: &str, known: &str) -> Option<&'static str> {
+    const UNITS: [(&str, &str); 8] = [
+        ("m", "metres"),
+        ("s", "seconds"),
+        ("deg", "degrees"),
+        ("mps", "metres per second"),
+        ("mps2", "metres per second squared"),
+        ("hpa", "hectopascals"),
+        ("w", "watts"),
+        ("wh", "watt hours"),
+    ];
+    let (stem, written) = key.rsplit_once('_')?;
+    let (known_stem, unit) = known.rsplit_once('_')?;
+    let (_, words) = UNITS.iter().find(|(known, _)| *known == unit)?;
+    (stem == known_stem && written != unit).then_some(*words)
 }
 
 /// A question for the word that was meant, to follow what was found; empty without one.

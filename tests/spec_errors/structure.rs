@@ -126,6 +126,30 @@ fn an_unknown_key_is_named_with_the_known_ones() {
 }
 
 #[test]
+fn a_key_in_another_unit_is_answered_with_the_known_key_and_its_unit() {
+    for (from, to, meant) in [
+        ("radius_m: 3000", "radius_km: 3", "`radius_m`, in metres?"),
+        (
+            "speed_mps:",
+            "speed_kmh:",
+            "`speed_mps`, in metres per second?",
+        ),
+        (
+            "max_climb_deg:",
+            "max_climb_percent:",
+            "`max_climb_deg`, in degrees?",
+        ),
+    ] {
+        // The value is in a unit that is not known: nothing more is said about it.
+        let (_, message) = only(from, to);
+        assert!(
+            message.contains(&format!("did you mean {meant}")),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn a_missing_key_is_named() {
     let (path, message) = only("    speed_mps: 12\n", "");
     assert_eq!(path, "vehicles[1]");

@@ -8,7 +8,7 @@ use serde_json::Value as Schema;
 use serde_yaml::{Mapping, Number, Value};
 
 use crate::numeric::digits;
-use crate::numeric::text::meant;
+use crate::numeric::text::{meant, other_unit};
 use crate::spec::check::resolved;
 use crate::spec::positions::Positions;
 use crate::spec::{Issue, keys};
@@ -165,6 +165,8 @@ pub(in crate::spec) fn problem(error: &serde_yaml::Error) -> Issue {
 enum Kind {
     /// A key that is not known, and the known one that was probably meant.
     UnknownKey(Option<String>),
+    /// A key that differs from this known one in its unit: its value says nothing.
+    OtherUnit(String),
     /// This key of the place is missing.
     Missing(String),
     /// The value.
@@ -213,14 +215,20 @@ impl Found {
         });
         // What is known is listed in backticks.
         let meant = word.and_then(|(word, rest)| meant(word, rest.split('`').skip(1).step_by(2)));
-        if let Some(meant) = meant {
-            found = format!("{found}: did you mean `{meant}`?");
+        if let Some(((word, _), meant)) = word.zip(meant) {
+            let unit = other_unit(word, meant).map_or_else(String::new, |of| format!(", in {of}"));
+            found = format!("{found}: did you mean `{meant}`{unit}?");
         }
         let missing = message
             .strip_prefix(MISSING)
             .and_then(|rest| rest.split_once('`'));
         let kind = match (key, missing) {
-            (Some(_), _) => Kind::UnknownKey(meant.map(str::to_owned)),
+            (Some((key, _)), _) => match meant {
+                Some(meant) if other_unit(key, meant).is_some() => {
+                    Kind::OtherUnit(meant.to_owned())
+                }
+                _ => Kind::UnknownKey(meant.map(str::to_owned)),
+            },
             (_, Some((key, _))) => Kind::Missing(key.to_owned()),
             _ => Kind::Value,
         };
@@ -295,8 +303,12 @@ impl Mended {
                 keys.insert(meant.as_str().into(), was);
             }
             Kind::UnknownKey(_) => self.unknown.push(Unknown::At(parent.to_owned())),
-            _ => {
-                self.removed.push((parent.to_owned(), last.to_owned()));
+            kind => {
+                let missing = match kind {
+                    Kind::OtherUnit(meant) => meant,
+                    _ => last,
+                };
+                self.removed.push((parent.to_owned(), missing.to_owned()));
                 self.unknown
                     .push(match is_vehicle(parent) && last != "stops" {
                         true => Unknown::ButSites(parent.to_owned()),
