@@ -375,6 +375,26 @@ fn an_output_folder_that_cannot_be_written_is_refused_before_planning() {
 }
 
 #[test]
+fn a_review_prints_the_warnings_that_its_json_holds() {
+    let folder = folder_with(&SPEC.replace("speed_mps: 12", "speed_mps: 14"));
+    assert_eq!(
+        sortie(folder.path(), &["plan", "hop.yaml"]).status.code(),
+        Some(0)
+    );
+    let arguments = ["review", "hop.yaml", "out/hop/alpha.plan"];
+    let reviewed = sortie(folder.path(), &arguments);
+    let warning = "alpha: 14.0 m/s through the air is faster than";
+    let json = sortie(folder.path(), &[&arguments[..], &["--json"]].concat());
+    assert!(
+        text(&json.stdout).contains(warning),
+        "{}",
+        text(&json.stdout)
+    );
+    let errors = text(&reviewed.stderr);
+    assert!(errors.contains(&format!("warning: {warning}")), "{errors}");
+}
+
+#[test]
 fn review_of_the_files_alone_reaches_the_same_verdict() {
     let folder = folder_with(SPEC);
     assert_eq!(

@@ -455,3 +455,28 @@ fn zones_that_are_lost_in_a_conversion_are_an_error() {
         assert_eq!(written.matches("Polygon").count(), count, "{written}");
     }
 }
+
+#[test]
+fn circles_that_ardupilot_stores_otherwise_are_named_by_convert_and_review() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = [
+        "0 1 0 16 0 0 0 0 46.0 8.0 500 1",
+        "1 0 3 22 0 0 0 0 0 0 50 1",
+        "2 0 3 18 300 0 3000 0 46.001 8.0 50 1",
+        "3 0 3 21 0 0 0 0 46.001 8.0 0 1",
+    ];
+    let input = waypoints(folder.path(), "m.waypoints", &rows);
+    let stored =
+        "item 2: ArduPilot stores 255 turns instead of 300, a radius of 2550 m instead of 3000 m";
+    let output = folder.path().join("m.plan");
+    let report = convert(&input, &output, &[]).expect("converted");
+    assert_eq!(said(&report, "stored_otherwise"), stored);
+    let report = convert(&input, &output, &["--autopilot", "px4"]).expect("converted");
+    assert_eq!(said(&report, "stored_otherwise"), "");
+    let reviewed = sortie(folder.path(), &["review", "m.waypoints", "--no-terrain"]);
+    let errors = text(&reviewed.stderr);
+    assert!(
+        errors.contains(&format!("warning: m: {stored}; judged as stored")),
+        "{errors}"
+    );
+}

@@ -68,6 +68,8 @@ struct Report {
     lost: Vec<String>,
     /// Items that ArduPilot and PX4 read differently, where the file was not made for `autopilot`.
     read_differently: Vec<String>,
+    /// Items that `autopilot` stores with other values.
+    stored_otherwise: Vec<String>,
     /// Items that `autopilot` would refuse or misread.
     refused: Vec<String>,
 }
@@ -194,6 +196,7 @@ fn converted(
             true => read_differently(&mission),
             false => Vec::new(),
         },
+        stored_otherwise: mission::stored_otherwise(&mission),
         refused: texts(refused.iter().filter(|problem| is_judged(problem.list))),
     };
     Ok((text, report))
@@ -399,6 +402,7 @@ fn print(report: &Report) -> Result<(), Failure> {
         ("note: ", &report.assumed),
         ("not kept: ", &report.lost),
         ("read differently: ", &report.read_differently),
+        ("stored: ", &report.stored_otherwise),
         ("refused or misread: ", &report.refused),
     ] {
         for one in all.iter().take(MAX_LISTED) {

@@ -2,6 +2,7 @@
 
 pub(super) mod flight;
 mod folders;
+mod warnings;
 pub(super) mod without_spec;
 
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ use crate::report::{self, ReviewInput};
 use crate::spec::SpecFile;
 use crate::verify;
 use crate::world;
+use warnings::{stored_otherwise, warn, warn_of_items, warn_of_vehicles};
 use without_spec::Subject;
 
 /// Most repairs of one file that are printed one by one.
@@ -90,7 +92,9 @@ fn with_spec(
     folders::refuse_disagreeing(&arguments.files, paths.values().zip(own))?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&file.spec, &world, &judged);
+    warn_of_vehicles(&file.spec, &review);
     warn(&mut review, verify::distant_from_area(&file.spec, &judged));
+    warn(&mut review, stored_otherwise(&file.spec, &judged));
     write_result(
         &ReviewInput {
             spec: &file.spec,
@@ -127,14 +131,6 @@ fn grouped(sentences: &[String]) -> Vec<String> {
         _ => format!("{}: {text}", ids.join(", ")),
     };
     groups.into_iter().map(sentence).collect()
-}
-
-/// Prints what lies far away, and keeps it with the review.
-fn warn(review: &mut verify::Review, distant: Vec<String>) {
-    for text in &distant {
-        note(&format!("warning: {text}"));
-    }
-    review.assumptions.extend(distant);
 }
 
 /// The missions of the vehicles of a spec, and the files that hold them.
@@ -209,6 +205,7 @@ fn without_spec(
     let judged: Vec<(usize, &VehicleMission)> =
         made.missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&made.spec, &made.world, &judged);
+    warn_of_vehicles(&made.spec, &review);
     without_spec::judge_later(&mut review, (&made.spec, &made.world), &judged);
     let rates = without_spec::judge_rates(
         &mut review,
@@ -229,6 +226,7 @@ fn without_spec(
         note(&format!("note: {text}"));
     }
     warn(&mut review, verify::distant_from_home(&made.spec, &judged));
+    warn(&mut review, stored_otherwise(&made.spec, &judged));
     write_result(
         &ReviewInput {
             spec: &made.spec,
@@ -311,6 +309,7 @@ fn write_result(
 ) -> Result<(), Failure> {
     let review = input.review;
     warn_of_parked(review);
+    warn_of_items(review);
     if let Some(target) = &arguments.html {
         replace::write_file(target, report::review_html(input).as_bytes())?;
     }

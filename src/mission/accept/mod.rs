@@ -9,6 +9,7 @@ pub(super) mod differences;
 pub(super) mod fence;
 pub(super) mod item;
 pub(super) mod param_fence;
+pub(super) mod stored;
 pub(super) mod whole;
 pub(super) mod wing;
 

@@ -2,7 +2,7 @@
 
 use crate::autopilot::{Airframe, Autopilot, Motion, command_row, facts};
 use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
-use crate::mission::{Item, command, frame};
+use crate::mission::{Item, command, frame, stored_radius_m, stored_turns};
 use crate::world::World;
 
 /// An altitude as an item gives it.
@@ -234,24 +234,15 @@ fn speed(item: &Item, autopilot: Autopilot) -> Result<Order, String> {
     }
 }
 
-/// The circles of `NAV_LOITER_TURNS` as ArduPilot keeps them: whole turns up to 255 or 256ths of
-/// one, whole metres of radius up to 255 or tens of metres up to 2550.
+/// The circles of `NAV_LOITER_TURNS` as ArduPilot stores them.
 pub(crate) fn turns(item: &Item) -> Result<Circling, String> {
     let [turns, _, radius_m, aligned] = item.params.map(f64::from);
     if !(turns >= 0.0 && turns.is_finite() && radius_m.is_finite()) {
         return Err(format!("{turns} turns with a radius of {radius_m} m"));
     }
-    let turns = match turns {
-        part if part < 1.0 => (256.0 * part).trunc() / 256.0,
-        whole => whole.trunc().min(255.0),
-    };
-    let stored_m = match radius_m.abs() {
-        near if near <= 255.0 => near.trunc(),
-        far => (far / 10.0).trunc().min(255.0) * 10.0,
-    };
     Ok(Circling {
-        radius_m: stored_m.copysign(radius_m),
-        until: Until::Turns(turns),
+        radius_m: stored_radius_m(radius_m),
+        until: Until::Turns(stored_turns(turns)),
         leaves_aligned: !aligned.is_nan(),
     })
 }
