@@ -53,7 +53,12 @@ pub(super) fn read(text: &str) -> Result<Collection, ShapesError> {
                 _ => format!("{name} part {}", part + 1),
             };
             match shapes(&name, &classes, &properties, geometry) {
-                Ok(shapes) => collection.shapes.extend(shapes),
+                Ok(shapes) => {
+                    if has_heights(&geometry.value) {
+                        collection.without_heights += shapes.len();
+                    }
+                    collection.shapes.extend(shapes);
+                }
                 Err(why) => collection.refused.push(Refused { name, why }),
             }
         }
@@ -305,6 +310,26 @@ fn line(positions: &[Position]) -> Result<Geometry, String> {
     match positions.len() {
         0 | 1 => Err("a line of less than two positions".to_owned()),
         _ => Ok(Geometry::Line(positions)),
+    }
+}
+
+/// Whether positions have heights: those of a zone are its `floor` and `ceiling`.
+fn has_heights(value: &GeometryValue) -> bool {
+    let high = |of: &Position| of.as_slice().get(2).is_some_and(|height| *height != 0.0);
+    let any = |positions: &[Position]| positions.iter().any(high);
+    match value {
+        GeometryValue::Point { coordinates } => high(coordinates),
+        GeometryValue::MultiPoint { coordinates } | GeometryValue::LineString { coordinates } => {
+            any(coordinates)
+        }
+        GeometryValue::Polygon { coordinates } | GeometryValue::MultiLineString { coordinates } => {
+            coordinates.iter().any(|line| any(line))
+        }
+        GeometryValue::MultiPolygon { coordinates } => {
+            let mut rings = coordinates.iter().flatten();
+            rings.any(|ring| any(ring))
+        }
+        GeometryValue::GeometryCollection { .. } => false,
     }
 }
 

@@ -63,6 +63,7 @@ pub(super) fn read_zipped(bytes: &[u8]) -> Result<Collection, ShapesError> {
         let found = self::read(text.strip_prefix('\u{feff}').unwrap_or(&text))?;
         all.shapes.extend(found.shapes);
         all.refused.extend(found.refused);
+        all.without_heights += found.without_heights;
     }
     Ok(all)
 }
@@ -96,7 +97,11 @@ fn add_placemark(document: &Document<'_>, placemark: Node<'_, '_>, collection: &
             _ => format!("{name} part {}", part + 1),
         };
         match shape(&name, geometry) {
-            Ok(shape) => collection.shapes.push(shape),
+            Ok(shape) => {
+                let loses = shape.ceiling.is_none() && has_heights(geometry);
+                collection.without_heights += usize::from(loses);
+                collection.shapes.push(shape);
+            }
             // By its own name: who skips it skips no other part.
             Err(why) => {
                 refuse(document, placemark, collection, &why);
@@ -188,6 +193,20 @@ fn top(polygon: Node<'_, '_>, outer: Node<'_, '_>) -> Result<Option<Height>, Str
             height.map(|z| most.max(z))
         })?;
     Ok(as_height.map(|of| of(highest)))
+}
+
+/// Whether a geometry lies at heights of its own. Clamped to the ground it does not, whatever its
+/// coordinates say.
+fn has_heights(of: Node<'_, '_>) -> bool {
+    let is_clamped = matches!(text(of, "altitudeMode"), None | Some("clampToGround"));
+    let mut rings = of.descendants();
+    !is_clamped
+        && rings.any(|ring| {
+            let heights = corners(ring).into_iter().flatten();
+            heights
+                .filter_map(|(_, height)| height)
+                .any(|height| height != 0.0)
+        })
 }
 
 fn outline(of: Node<'_, '_>) -> Result<Vec<LatLon>, String> {

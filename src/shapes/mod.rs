@@ -103,6 +103,8 @@ pub struct Collection {
     pub refused: Vec<Refused>,
     /// Shapes that forbid nothing: `NO_RESTRICTION`, and class G without a type.
     pub open: usize,
+    /// Shapes that were read without the heights of their corners.
+    pub without_heights: usize,
 }
 
 /// A file that holds no shapes that can be read.

@@ -457,6 +457,46 @@ fn zones_that_are_lost_in_a_conversion_are_an_error() {
 }
 
 #[test]
+fn heights_that_zones_do_not_keep_are_counted_and_shapes_are_counted_by_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let high = "8.0,47.0,900 8.1,47.0,900 8.1,47.1,900 8.0,47.0,900";
+    let ring = format!(
+        "<outerBoundaryIs><LinearRing><coordinates>{high}</coordinates></LinearRing></outerBoundaryIs>"
+    );
+    let mode = "<altitudeMode>absolute</altitudeMode>";
+    let geometries = [
+        // Kept as a ceiling, lost, lost, and on the ground whatever its coordinates say.
+        format!("<Polygon><extrude>1</extrude>{mode}{ring}</Polygon>"),
+        format!("<Polygon>{mode}{ring}</Polygon>"),
+        format!("<LineString>{mode}<coordinates>{high}</coordinates></LineString>"),
+        "<Point><coordinates>8.0,47.0,900</coordinates></Point>".to_owned(),
+    ];
+    let marks = geometries.map(|of| format!("<Placemark>{of}</Placemark>"));
+    let kml = format!("<kml><Document>{}</Document></kml>", marks.concat());
+    fs::write(at("zones.kml"), kml).unwrap();
+    let output = sortie(folder.path(), &["convert", "zones.kml", "zones.geojson"]);
+    let (out, errors) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    assert!(
+        errors.contains("2 of 4 shapes: the heights of their corners are not kept"),
+        "{errors}"
+    );
+    assert!(
+        out.contains("4 shapes (2 polygons, 1 line, 1 point)"),
+        "{out}"
+    );
+    let written = fs::read_to_string(at("zones.geojson")).unwrap();
+    assert!(written.contains("900"), "{written}");
+    // What has floors and ceilings loses nothing.
+    let output = sortie(
+        folder.path(),
+        &["convert", "zones.geojson", "again.geojson"],
+    );
+    assert_eq!(text(&output.stderr), "");
+}
+
+#[test]
 fn circles_that_ardupilot_stores_otherwise_are_named_by_convert_and_review() {
     let folder = tempfile::tempdir().unwrap();
     let rows = [

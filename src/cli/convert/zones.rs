@@ -9,8 +9,9 @@ use crate::cli::args;
 use crate::cli::folder::replace;
 use crate::cli::print::console::{note, out, out_json};
 use crate::cli::print::failure::Failure;
+use crate::numeric::digits::count;
 use crate::numeric::text::escaped;
-use crate::shapes::{self, Format, ShapesError};
+use crate::shapes::{self, Format, Geometry, Refused, Shape, ShapesError};
 
 /// The report of a conversion.
 #[derive(Debug, Serialize)]
@@ -19,6 +20,8 @@ struct Report {
     output: String,
     shapes: usize,
     open: usize,
+    /// Shapes whose corners have heights, which no format of zones keeps.
+    without_heights: usize,
     refused: Vec<String>,
     changed: Vec<String>,
 }
@@ -71,6 +74,7 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
         output: output.display().to_string(),
         shapes: collection.shapes.len() - written.left_out.len(),
         open: collection.open,
+        without_heights: collection.without_heights,
         refused: refused
             .map(|of| format!("{}: {}", escaped(&of.name), escaped(&of.why)))
             .collect(),
@@ -88,14 +92,43 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     for changed in &report.changed {
         note(&format!("larger: {changed}"));
     }
+    if report.without_heights > 0 {
+        note(&format!(
+            "warning: {} of {} shapes: the heights of their corners are not kept (a zone has a floor and a ceiling, in KML an extruded polygon)",
+            report.without_heights,
+            collection.shapes.len()
+        ));
+    }
     out(&format!(
-        "{}: {} shapes; {} that forbid nothing, {} refused",
+        "{}: {}; {} that forbid nothing, {} refused",
         report.output,
-        report.shapes,
+        counted(&collection.shapes, &written.left_out),
         report.open,
         report.refused.len()
     ))?;
     complete(&report)
+}
+
+/// The shapes that were written, by kind: only what encloses something is a zone.
+fn counted(shapes: &[Shape], left_out: &[Refused]) -> String {
+    let is_written = |shape: &&Shape| !left_out.iter().any(|of| of.name == shape.name);
+    let mut kinds = [("polygon", 0), ("circle", 0), ("line", 0), ("point", 0)];
+    for shape in shapes.iter().filter(is_written) {
+        let kind = match shape.geometry {
+            Geometry::Polygon { .. } => 0,
+            Geometry::Circle { .. } => 1,
+            Geometry::Line(_) => 2,
+            Geometry::Point(_) => 3,
+        };
+        kinds[kind].1 += 1;
+    }
+    let total = kinds.iter().map(|(_, number)| number).sum();
+    let kinds = kinds.iter().filter(|(_, number)| *number > 0);
+    let kinds: Vec<String> = kinds.map(|(kind, number)| count(*number, kind)).collect();
+    match kinds.is_empty() {
+        true => count(total, "shape"),
+        false => format!("{} ({})", count(total, "shape"), kinds.join(", ")),
+    }
 }
 
 /// Fails if a zone is not in the output.
