@@ -32,13 +32,23 @@ pub fn read(bytes: &[u8]) -> Result<(Kind, Document), FormatError> {
     Ok((kind, document))
 }
 
+/// Characters of an unknown first line that a message shows.
+const MAX_SHOWN: usize = 40;
+/// The formats that are read, in messages.
+const ALLOWED: &str = "QGC WPL 110 or 120, a .plan (JSON), a fence or a rally list";
+
 /// The format, by the first line that is neither empty nor a comment.
 fn kind(text: &str) -> Result<Kind, FormatError> {
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
     let mut lines = lines.map(|(index, line)| (index + 1, line.trim()));
     let Some((number, first)) = lines.find(|(_, line)| !line.is_empty() && !line.starts_with('#'))
     else {
-        return Ok(Kind::Waypoints);
+        return Err(FormatError::Text {
+            line: 1,
+            column: 1,
+            found: "an empty file".to_owned(),
+            allowed: ALLOWED.to_owned(),
+        });
     };
     let mut words = first.split_whitespace();
     Ok(match first.chars().next() {
@@ -48,14 +58,28 @@ fn kind(text: &str) -> Result<Kind, FormatError> {
                 line: number,
                 column: 1,
                 found: "XML, such as KML or GPX".to_owned(),
-                allowed: "QGC WPL 110 or 120, a .plan, a fence or a rally list".to_owned(),
+                allowed: ALLOWED.to_owned(),
             });
         }
         _ if words.clone().next() == Some("RALLY") => Kind::RallyList,
         _ if words.clone().count() == 2 && words.all(|word| word.parse::<f64>().is_ok()) => {
             Kind::FenceList
         }
-        _ => Kind::Waypoints,
+        _ if first
+            .get(..3)
+            .is_some_and(|start| start.eq_ignore_ascii_case("QGC")) =>
+        {
+            Kind::Waypoints
+        }
+        _ => {
+            let found: String = first.chars().take(MAX_SHOWN).collect();
+            return Err(FormatError::Text {
+                line: number,
+                column: 1,
+                found: format!("{found:?}"),
+                allowed: ALLOWED.to_owned(),
+            });
+        }
     })
 }
 
@@ -74,8 +98,22 @@ mod tests {
         assert_eq!(kind("\u{feff} {}"), Ok(Kind::Plan));
         assert_eq!(kind("RALLY 1 2 3 0 0 0"), Ok(Kind::RallyList));
         assert_eq!(kind("\n36.1 -84.2\n"), Ok(Kind::FenceList));
-        assert_eq!(kind(""), Ok(Kind::Waypoints));
         assert!(kind("<kml>").is_err());
+    }
+
+    #[test]
+    fn a_file_that_is_empty_or_of_no_format_is_answered_with_all_of_them() {
+        for (text, found) in [
+            ("", "an empty file"),
+            ("\n # none\n", "an empty file"),
+            ("items: []", "\"items: []\""),
+        ] {
+            let error = kind(text).expect_err("no format").to_string();
+            assert!(
+                error.contains(found) && error.contains(".plan (JSON)"),
+                "{error}"
+            );
+        }
     }
 
     #[test]

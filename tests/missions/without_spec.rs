@@ -346,6 +346,8 @@ fn after_a_landing_nothing_is_flown() {
     harmless.push(command(20, [0.0; 4]));
     let (code, out, errors) = review(HOME, &harmless, &COPTER);
     assert_eq!(code, Some(0), "{out}{errors}");
+    let said = "warning: m: the vehicle lands at item 3: those after it are never flown";
+    assert!(errors.contains(said), "{errors}");
     let mut more = to_land();
     more.extend([takeoff(), waypoint(46.002, 8.0, 50.0), land(46.0, 8.0)]);
     let (code, out, _) = review(HOME, &more, &COPTER);
@@ -596,4 +598,19 @@ fn jumps_that_repeat_long_circles_or_many_items_fail_at_once_and_name_what_is_al
     );
     assert_eq!(code, Some(4), "{said}{why}");
     assert!(said.contains("(allowed: "), "{said}{why}");
+}
+
+#[test]
+fn an_empty_plan_is_called_empty() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (content, words) in [("", "an empty file"), ("hello", "\"hello\"")] {
+        fs::write(folder.path().join("m.plan"), content).expect("written");
+        let output = sortie(folder.path(), &["review", "m.plan"]);
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{errors}");
+        assert!(
+            errors.contains(words) && errors.contains("a .plan (JSON)"),
+            "{errors}"
+        );
+    }
 }
