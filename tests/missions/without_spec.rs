@@ -601,6 +601,23 @@ fn jumps_that_repeat_long_circles_or_many_items_fail_at_once_and_name_what_is_al
 }
 
 #[test]
+fn a_mission_without_a_home_says_from_where_it_was_judged() {
+    let rows = [takeoff(), waypoint(46.001, 8.0, 50.0), land(46.001, 8.0)];
+    let (code, out, errors) = review((0.0, 0.0), &rows, &COPTER);
+    assert_eq!(code, Some(4), "{out}{errors}");
+    let said = format!("{out}{errors}");
+    assert!(!said.contains("the spec"), "{said}");
+    assert!(
+        said.contains("judged from home at 46.0010000, 8.0000000"),
+        "{said}"
+    );
+    assert!(
+        said.contains("judged from the ground under its first waypoint (--home LAT,LON,AMSL)"),
+        "{said}"
+    );
+}
+
+#[test]
 fn an_empty_plan_is_called_empty() {
     let folder = tempfile::tempdir().expect("a folder");
     for (content, words) in [("", "an empty file"), ("hello", "\"hello\"")] {
@@ -613,4 +630,16 @@ fn an_empty_plan_is_called_empty() {
             "{errors}"
         );
     }
+}
+
+#[test]
+fn a_mission_at_a_pole_is_refused_with_what_is_allowed() {
+    let rows = [takeoff(), waypoint(89.991, 8.0, 50.0), land(89.991, 8.0)];
+    let (code, _, errors) = review((89.99, 8.0), &rows, &COPTER);
+    assert_eq!(code, Some(3), "{errors}");
+    let words = "m.waypoints: its places lie within 0.1 degrees of a pole";
+    assert!(
+        errors.contains(words) && !errors.contains("area"),
+        "{errors}"
+    );
 }

@@ -33,6 +33,8 @@ pub(crate) use versions::judge_later;
 const NEAR_DEG: f64 = 2.0;
 /// The area reaches this far beyond the items, degrees of latitude.
 const AROUND_DEG: f64 = 0.006;
+/// The area reaches no further north or south, degrees.
+const MAX_LAT_DEG: f64 = 89.9;
 /// Vehicles without a spec are numbered as systems from 1.
 const MAX_VEHICLES: usize = 250;
 
@@ -63,7 +65,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         return Err(Failure::new(Failure::USAGE, message));
     }
     let mut assumed = Vec::new();
-    let corners = around_positions(&subjects);
+    let corners = around_positions(&subjects)?;
     let mut whole: Option<(MissionSpec, String)> = None;
     let (mut vehicles, mut missions, mut failed) = (Vec::new(), Vec::new(), Vec::new());
     for (index, subject) in subjects.into_iter().enumerate() {
@@ -118,6 +120,20 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     })
 }
 
+/// No area reaches to a pole.
+fn refuse_pole(subjects: &[Subject], corners: (LatLon, LatLon)) -> Result<(), Failure> {
+    if corners.0.lat_deg < corners.1.lat_deg {
+        return Ok(());
+    }
+    let path = subjects.first().map(|subject| subject.path.display());
+    let message = format!(
+        "{}: its places lie within {:.1} degrees of a pole and cannot be judged (allowed: latitudes from -{MAX_LAT_DEG} to {MAX_LAT_DEG})",
+        path.map_or_else(String::new, |path| path.to_string()),
+        90.0 - MAX_LAT_DEG
+    );
+    Err(Failure::new(Failure::INPUT, message))
+}
+
 /// The margin that fails where the first item stands in the row of home (`AP_Mission`: the first
 /// command is home, whatever is sent).
 fn in_home_row(subject: &Subject, autopilot: Autopilot) -> Option<Margin> {
@@ -131,7 +147,7 @@ fn in_home_row(subject: &Subject, autopilot: Autopilot) -> Option<Margin> {
 }
 
 /// The corners of a box around all positions.
-fn around_positions(subjects: &[Subject]) -> (LatLon, LatLon) {
+fn around_positions(subjects: &[Subject]) -> Result<(LatLon, LatLon), Failure> {
     let documents = subjects.iter().map(|subject| &subject.document);
     let positions: Vec<LatLon> = documents.flat_map(positions).collect();
     // Without any position there is nothing to fly, and the verdict fails anywhere.
@@ -139,7 +155,8 @@ fn around_positions(subjects: &[Subject]) -> (LatLon, LatLon) {
         lat_deg: 0.0,
         lon_deg: 0.0,
     });
-    corners(middle, &positions)
+    let corners = corners(middle, &positions);
+    refuse_pole(subjects, corners).map(|()| corners)
 }
 
 /// Home first, then every item with a position.
@@ -174,11 +191,11 @@ fn corners(middle: LatLon, positions: &[LatLon]) -> (LatLon, LatLon) {
     }
     let wide_deg = AROUND_DEG / middle.lat_deg.to_radians().cos().max(0.1);
     let south_west = LatLon {
-        lat_deg: (low.lat_deg - AROUND_DEG).max(-89.9),
+        lat_deg: (low.lat_deg - AROUND_DEG).max(-MAX_LAT_DEG),
         lon_deg: (low.lon_deg - wide_deg).max(-180.0),
     };
     let north_east = LatLon {
-        lat_deg: (high.lat_deg + AROUND_DEG).min(89.9),
+        lat_deg: (high.lat_deg + AROUND_DEG).min(MAX_LAT_DEG),
         lon_deg: (high.lon_deg + wide_deg).min(180.0),
     };
     (south_west, north_east)
@@ -316,8 +333,29 @@ fn params(subject: &Subject) -> Result<Vec<Parameter>, Failure> {
     folder::read_params(&subject.path, &stem.to_string_lossy())
 }
 
+/// The home row of a file without a home.
+const NO_HOME: Home = Home {
+    x: 0,
+    y: 0,
+    amsl_m: 0.0,
+};
+
 /// Home of the file, or of the flag, or on the terrain; else 0, 0, for which the verdict fails.
 fn home(
+    subject: &Subject,
+    limits: &Limits,
+    spec: &MissionSpec,
+    assumed: &mut Vec<String>,
+) -> Result<Home, Failure> {
+    let home = known_home(subject, limits, spec, assumed)?;
+    if (home.x, home.y) == (NO_HOME.x, NO_HOME.y) {
+        let judged = "the file has no home: judged from the ground under its first waypoint (--home LAT,LON,AMSL)";
+        assumed.push(format!("{}: {judged}", subject.id));
+    }
+    Ok(home)
+}
+
+fn known_home(
     subject: &Subject,
     limits: &Limits,
     spec: &MissionSpec,
@@ -335,11 +373,7 @@ fn home(
             let text = format!("{}: home stands on the terrain of --terrain", subject.id);
             assumed.push(text);
         }
-        return Ok(on_terrain.unwrap_or(Home {
-            x: 0,
-            y: 0,
-            amsl_m: 0.0,
-        }));
+        return Ok(on_terrain.unwrap_or(NO_HOME));
     };
     assumed.push(format!("{}: home is where --home says", subject.id));
     #[expect(clippy::cast_possible_truncation, reason = "checked with the flag")]

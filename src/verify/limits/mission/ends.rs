@@ -21,11 +21,11 @@ impl MissionCheck<'_> {
             return Vec::new();
         }
         let Some(place) = home else {
-            return vec![Margin::unjudged(
-                self.id(),
-                Limit::HomePosition,
-                "the home row holds no place; judged from the home of the spec",
-            )];
+            let LatLon { lat_deg, lon_deg } = self.vehicle.home;
+            let why = format!(
+                "the home row holds no place; judged from home at {lat_deg:.7}, {lon_deg:.7}"
+            );
+            return vec![Margin::unjudged(self.id(), Limit::HomePosition, why)];
         };
         let tolerance_m = self.spec.mission.tolerance_m;
         let amsl = Amsl(f64::from(self.mission.home.amsl_m));
