@@ -37,7 +37,7 @@ use motion::Motion;
 use onboard::Onboard;
 use onboard::rate_limited::RateLimited;
 use skips::Skips;
-use standing::{Key, Standing};
+use standing::{Key, Stall, Standing};
 
 /// A position that is older than this is stale: seconds of flight, and of the wall's clock.
 const STALE_S: f64 = 1.5;
@@ -51,6 +51,8 @@ const NO_REPORT_WALL_S: f64 = 2.5;
 /// More than this between two looks was a stall of this machine, in which nobody was heard,
 /// seconds of the wall's clock.
 const STALL_WALL_S: f64 = 0.1;
+/// One of at least this is named by the alarms after it, seconds of flight.
+const LONG_STALL_S: f64 = 5.0;
 /// Between two looks into the future, seconds of flight.
 const FUTURE_S: f64 = 0.5;
 
@@ -159,6 +161,8 @@ pub struct Alarms<'a> {
     /// When [`Alarms::look`] was last called, and looked into the future.
     looked_s: Option<f64>,
     future_s: f64,
+    /// The last stall of this ground station.
+    stall: Option<Stall>,
 }
 
 impl<'a> Alarms<'a> {
@@ -202,6 +206,7 @@ impl<'a> Alarms<'a> {
             out: VecDeque::new(),
             looked_s: None,
             future_s: f64::NEG_INFINITY,
+            stall: None,
         }
     }
 
@@ -311,6 +316,8 @@ impl<'a> Alarms<'a> {
 
     /// Takes in a position of a vehicle that came at `t_s`, with its time on the clock of the fleet.
     pub fn position(&mut self, t_s: f64, vehicle: usize, fix: Fix, position: &Position) {
+        // Positions that waited during a stall come before the next look.
+        self.note_stall(t_s);
         let frame = self.world.frame;
         let stale_s = self.stale_s();
         let Some(of) = self.vehicles.get_mut(vehicle) else {
@@ -360,7 +367,7 @@ impl<'a> Alarms<'a> {
 
     /// Does what is due at a time in seconds after T0.
     pub fn look(&mut self, t_s: f64) {
-        let since_s = t_s - self.looked_s.unwrap_or(t_s);
+        let since_s = self.note_stall(t_s);
         self.looked_s = Some(t_s);
         // What a machine that stalls does not hear is no silence of a vehicle.
         let listened_s = since_s.clamp(0.0, STALL_WALL_S * self.speedup.max(1.0));

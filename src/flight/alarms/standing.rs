@@ -1,7 +1,7 @@
 //! Alarms that stand: raised once, and over when their cause is gone.
 
 use super::onboard::STATES;
-use super::{Alarm, Alarms, BEATS_S};
+use super::{Alarm, Alarms, BEATS_S, LONG_STALL_S, STALL_WALL_S};
 use crate::spec::AlarmKind;
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
@@ -20,7 +20,41 @@ pub(super) struct Standing {
     pub(super) seen_s: f64,
 }
 
+/// A time in which this ground station neither listened nor looked, seconds after T0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stall {
+    from_s: f64,
+    until_s: f64,
+}
+
+impl Stall {
+    /// What an alarm says of it that is raised at a time: after it, positions that waited are taken in, and simulated
+    /// vehicles of the same machine catch up, for as long again.
+    fn named(&self, t_s: f64, speedup: f64) -> Option<String> {
+        let lasted_s = self.until_s - self.from_s;
+        let is_near = t_s >= self.from_s && t_s <= self.until_s + lasted_s;
+        let flown = match speedup > 1.0 {
+            true => format!(", {lasted_s:.0} s of flight"),
+            false => String::new(),
+        };
+        let wall_s = lasted_s / speedup;
+        is_near.then(|| format!("the ground station had stalled for {wall_s:.1} s{flown}"))
+    }
+}
+
 impl Alarms<'_> {
+    /// Seconds since the last look. Between two looks there are some hundredths of a second: much more is a stall.
+    pub(super) fn note_stall(&mut self, t_s: f64) -> f64 {
+        let from_s = self.looked_s.unwrap_or(t_s);
+        if t_s - from_s > LONG_STALL_S.max(STALL_WALL_S * self.speedup) {
+            self.stall = Some(Stall {
+                from_s,
+                until_s: t_s,
+            });
+        }
+        t_s - from_s
+    }
+
     /// Raises what a vehicle's own reports are the cause of.
     pub(super) fn look_at_health(&mut self, t_s: f64, index: usize) {
         let of = &mut self.vehicles[index];
@@ -127,8 +161,12 @@ impl Alarms<'_> {
         }
     }
 
-    pub(super) fn push(&mut self, t_s: f64, key: Key, is_raised: bool, text: String) {
+    pub(super) fn push(&mut self, t_s: f64, key: Key, is_raised: bool, mut text: String) {
         let (kind, vehicle, other, cause) = key;
+        let stall = self.stall.filter(|_| is_raised);
+        if let Some(stall) = stall.and_then(|stall| stall.named(t_s, self.speedup)) {
+            text += &format!(" ({stall})");
+        }
         self.out.push_back(Alarm {
             t_s,
             vehicle,

@@ -356,3 +356,30 @@ fn items_that_come_one_by_one_are_no_other_mission() {
         assert_eq!(texts, ["the mission on board has 4 items, the plan 3"]);
     });
 }
+
+#[test]
+fn an_alarm_right_after_a_stall_of_the_ground_station_names_the_stall() {
+    let spec = spec("");
+    let world = World::new(&spec, crate::world::Terrain::Flat(Amsl(400.0))).expect("ground");
+    let mission = mission(3);
+    let text = |speedup: f64, looks: [f64; 2], raised_s: f64| {
+        let mut alarms = Flying::new(&spec, &world, &mission).alarms;
+        alarms.speedup = speedup;
+        looks.into_iter().for_each(|t_s| alarms.look(t_s));
+        while alarms.poll().is_some() {}
+        let key = (AlarmKind::Late, 0, None, "");
+        alarms.push(raised_s, key, true, "late".to_owned());
+        alarms.poll().expect("an alarm").text
+    };
+    assert_eq!(
+        text(50.0, [100.0, 140.0], 145.0),
+        "late (the ground station had stalled for 0.8 s, 40 s of flight)"
+    );
+    assert_eq!(
+        text(1.0, [100.0, 106.0], 106.0),
+        "late (the ground station had stalled for 6.0 s)"
+    );
+    // Long after it, and where the turns of the loop were in time.
+    assert_eq!(text(50.0, [100.0, 140.0], 190.0), "late");
+    assert_eq!(text(50.0, [100.0, 102.0], 102.0), "late");
+}
