@@ -290,7 +290,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
             false => String::new(),
         };
         let allowed = format!("a mission spec, which is a YAML file{own}");
-        return Err(whole("it is a folder".to_owned(), &allowed));
+        return Err(whole("cannot be read: it is a folder".to_owned(), &allowed));
     }
     let mut bytes = Vec::new();
     open_regular(path)

@@ -340,7 +340,7 @@ fn a_file_that_no_plan_wrote_keeps_its_folder_from_being_replaced() {
 #[test]
 fn an_output_folder_that_cannot_be_written_is_refused_before_planning() {
     // Planning this takes minutes: the answer must not wait for it.
-    let slow = SPEC.replace("evaluations: 2000", "evaluations: 400000000");
+    let slow = SPEC.replace("evaluations: 2000", "evaluations: 100000000");
     let folder = folder_with(&slow);
     let root = folder.path();
     fs::write(root.join("notes.txt"), "wind from the west").unwrap();

@@ -205,7 +205,6 @@ fn without_spec(
     let judged: Vec<(usize, &VehicleMission)> =
         made.missions.iter().map(|(v, m)| (*v, m)).collect();
     let mut review = verify::review(&made.spec, &made.world, &judged);
-    warn_of_vehicles(&made.spec, &review);
     without_spec::judge_later(&mut review, (&made.spec, &made.world), &judged);
     let rates = without_spec::judge_rates(
         &mut review,
