@@ -33,20 +33,19 @@ impl Stall {
     fn named(&self, t_s: f64, speedup: f64) -> Option<String> {
         let lasted_s = self.until_s - self.from_s;
         let is_near = t_s >= self.from_s && t_s <= self.until_s + lasted_s;
-        let flown = match speedup > 1.0 {
-            true => format!(", {lasted_s:.0} s of flight"),
-            false => String::new(),
-        };
         let wall_s = lasted_s / speedup;
-        is_near.then(|| format!("the ground station had stalled for {wall_s:.1} s{flown}"))
+        is_near.then(|| {
+            format!("the ground station had stalled for {wall_s:.1} s, {lasted_s:.0} s of flight")
+        })
     }
 }
 
 impl Alarms<'_> {
-    /// Seconds since the last look. Between two looks there are some hundredths of a second: much more is a stall.
+    /// Seconds since the last look. Between two looks there are some hundredths of a second: much more is a stall, which
+    /// counts where flights are faster than the wall's clock.
     pub(super) fn note_stall(&mut self, t_s: f64) -> f64 {
         let from_s = self.looked_s.unwrap_or(t_s);
-        if t_s - from_s > LONG_STALL_S.max(STALL_WALL_S * self.speedup) {
+        if self.speedup > 1.0 && t_s - from_s > LONG_STALL_S.max(STALL_WALL_S * self.speedup) {
             self.stall = Some(Stall {
                 from_s,
                 until_s: t_s,
