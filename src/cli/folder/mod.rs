@@ -57,7 +57,7 @@ fn table_sha256(file: &SpecFile) -> Option<String> {
     file.table.as_ref().map(|table| sha256(&table.text))
 }
 
-/// Checks that [`write`] can make or replace the folder, before the planning.
+/// Checks that [`write()`] can make or replace the folder, before the planning.
 ///
 /// # Errors
 /// It holds something else than an earlier plan, or cannot be written.
