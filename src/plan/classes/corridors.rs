@@ -22,7 +22,7 @@ const NODES: [usize; 2] = [321, 961];
 const BERTHS: [f64; 2] = [1.5, 0.4];
 /// What closed ground costs per kilometre while fits are drawn tight: a wall that slopes.
 const STEEP: f64 = 1000.0;
-/// A grid shows a gap that is so many of its cells wide.
+/// Cells that a gap is wide where a grid shows it.
 const GAP_CELLS: f64 = 2.0;
 /// Most classes.
 const MAX_CLASSES: usize = 24;
