@@ -26,7 +26,7 @@ use super::legs::Knot;
 use super::trajectory::TrajectoryBuilder;
 use super::wing::altitude_lag;
 use super::wing::circle_radius::Widening;
-use super::wing::l1::Guidance;
+use super::wing::guidance::Guidance;
 use crate::verify::measure::segment::Phase;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.

@@ -84,10 +84,14 @@ pub(crate) mod altitude_lag;
 pub(crate) mod altitude_offsets;
 pub(crate) mod circle_radius;
 pub(crate) mod drift;
+pub(crate) mod guidance;
 pub(crate) mod items;
-pub(crate) mod l1;
+mod l1;
 pub(crate) mod line;
 pub(crate) mod loiter;
 pub(crate) mod maneuvers;
 mod npfg;
 pub(crate) mod overshoot;
+
+/// Step of the integration and between the places of a way, seconds.
+pub(crate) const STEP_S: f64 = 0.05;

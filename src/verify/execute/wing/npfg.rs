@@ -130,7 +130,7 @@ impl Npfg {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::l1::{Guidance, Law, Way};
+    use super::super::guidance::{Guidance, Law, Way};
     use super::Npfg;
     use crate::autopilot::{Airframe, Autopilot, Version, facts};
     use crate::geodesy::EastNorth;

@@ -6,8 +6,9 @@ use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::geometry;
 use crate::path::{along, heading_rad};
 
+use super::STEP_S;
 use super::drift::carried_points;
-use super::l1::{Fix, STEP_S, Way};
+use super::guidance::{Fix, Way};
 use super::line::Line;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
