@@ -353,7 +353,7 @@ fn with_nested_budgets(job: Job<'_>) -> Dispatched {
             try_with(&mut best, evaluations);
         }
     }
-    if best.breaks_a_static_limit() && !job.run.is_cancelled() {
+    if best.may_fly_closer() && !job.run.is_cancelled() {
         let close = dispatch_closely(job);
         if close.is_better_than(best.rank()) {
             best = close;
@@ -403,15 +403,19 @@ impl Dispatched {
         own.0 < violated || own.0 == violated && own.1 < cost
     }
 
-    /// Whether the ground, a ceiling, a threat or a zone is too near to a path.
-    fn breaks_a_static_limit(&self) -> bool {
-        let mut broken = self.review.margins.iter().filter(|margin| !margin.ok);
-        broken.any(|margin| {
+    /// Whether the ground, a ceiling, a threat or a zone is too near to a path, and nothing proves that it
+    /// always is.
+    fn may_fly_closer(&self) -> bool {
+        let is_static = |margin: &Margin| {
+            let repair = margin.limit.repair();
             matches!(
-                margin.limit.repair(),
+                repair,
                 Some(Repair::Clearance | Repair::Height | Repair::Obstacle)
             )
-        })
+        };
+        let mut broken = self.review.margins.iter().filter(|margin| !margin.ok);
+        let mut plans = self.plan.vehicles.iter();
+        broken.any(is_static) && plans.all(|plan| plan.blocking_set.is_empty())
     }
 
     fn violated(&self) -> usize {

@@ -135,21 +135,35 @@ pub(super) fn delayed(shape: &Shape, separation: &Separation) -> Vec<Shape> {
     all
 }
 
-/// A shape with one route bent over a part of it, by its middle and half of its length.
-fn led_aside(shape: &Shape, route: usize, (middle, half): (f64, f64), aside_m: f64) -> Shape {
+/// A shape with one route bent over a part of it, level in the middle of the part.
+fn led_aside(shape: &Shape, route: usize, part: (f64, f64), aside_m: f64) -> Shape {
     let mut shape = shape.clone();
-    let points = &mut shape.control_points[route];
+    lead(
+        &mut shape.control_points[route],
+        (part, STEEP),
+        (aside_m, 0.0),
+    );
+    shape
+}
+
+/// Moves the inner control points of a route to the left and up over a part of it, given by its middle
+/// and half of its length as shares of the route, the more the nearer to the middle.
+fn lead(
+    points: &mut [PlanPoint],
+    ((middle, half), steep): ((f64, f64), f64),
+    (aside_m, up_m): (f64, f64),
+) {
     let Some((left_east, left_north)) = across(points) else {
-        return shape;
+        return;
     };
     let shares = shares(points);
     let last = points.len() - 1;
     for (point, share) in points.iter_mut().zip(shares).take(last).skip(1) {
-        let bump = (STEEP * (1.0 - (share - middle).abs() / half)).clamp(0.0, 1.0);
+        let bump = (steep * (1.0 - (share - middle).abs() / half)).clamp(0.0, 1.0);
         point.at.east_m += bump * aside_m * left_east;
         point.at.north_m += bump * aside_m * left_north;
+        point.amsl.0 += bump * up_m;
     }
-    shape
 }
 
 /// One more shape around a shape, bent, swaying and raised at random.
@@ -186,18 +200,11 @@ pub(super) fn nudged(
     let aside_m = rng.random_range(-most..most) * side_m;
     let raises = rng.random_bool(0.3);
     let raised_m = rng.random_range(-most..most) * up_m * f64::from(u8::from(raises));
-    let points = &mut shape.control_points[route];
-    let Some((left_east, left_north)) = across(points) else {
-        return shape;
-    };
-    let shares = shares(points);
-    let last = points.len() - 1;
-    for (point, share) in points.iter_mut().zip(shares).take(last).skip(1) {
-        let bump = (1.0 - (share - middle).abs() / half).max(0.0);
-        point.at.east_m += bump * aside_m * left_east;
-        point.at.north_m += bump * aside_m * left_north;
-        point.amsl.0 += bump * raised_m;
-    }
+    lead(
+        &mut shape.control_points[route],
+        ((middle, half), 1.0),
+        (aside_m, raised_m),
+    );
     shape
 }
 
