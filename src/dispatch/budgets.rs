@@ -10,8 +10,8 @@ const GROWTH: usize = 4;
 const PARTS: [usize; 2] = [2, 4];
 const MIN: usize = 10_000;
 
-/// Small budgets that a small fleet is planned with as well, where its vehicles pay for each other: who
-/// gives way to whom is then found otherwise, at little work.
+/// Small budgets that a small fleet is planned with as well, where its vehicles pay for each other: another
+/// one may then give way, and they take little time.
 const SMALL: [usize; 1] = [1000];
 
 /// The small budgets below that of a spec.

@@ -36,9 +36,10 @@ const MAX_MISSING: f64 = 0.5;
 const MAX_FRUITLESS: usize = 2;
 /// Buffer of copters in the first round, metres.
 const NEAREST_M: f64 = 0.5;
-/// The same where no way is as wide.
+/// Buffer where that leaves no way, metres.
 const CLOSEST_M: f64 = 0.05;
-/// The first again, above ground that is not flat, where legs aside of the path are higher or lower over it.
+/// Buffer of copters in the first round above ground that is not flat, where legs aside of the path are
+/// higher or lower over it, metres.
 const OVER_TERRAIN_M: f64 = 1.5;
 /// The least that is added to a small buffer: height above ground costs all along the path.
 const MIN_MORE_M: f64 = 0.25;
@@ -181,26 +182,23 @@ impl Strictness {
             return false;
         }
         let slack_s = spec.separation.time_slack_s;
+        let tolerance_m = spec.mission.tolerance_m;
         let margins = &mut self.margins[vehicle];
         let fraction = (1.2 * missing / margin.bound.abs().max(1e-9)).clamp(MIN_FRACTION, 0.2);
         match repair {
             Repair::Clearance => {
                 let more_m = missing + (0.5 * margins.clearance_m).clamp(MIN_MORE_M, EXTRA_M);
-                margins.clearance_m = raised_m(margins.clearance_m, more_m, spec);
+                margins.clearance_m = raised_m(margins.clearance_m, more_m, tolerance_m);
             }
             Repair::Height => {
-                margins.under_m = raised_m(margins.under_m, missing + EXTRA_M, spec);
+                margins.under_m = raised_m(margins.under_m, missing + EXTRA_M, tolerance_m);
             }
             Repair::Obstacle => {
                 // One path may break more limits at one place, which need no more together.
                 let more_m = missing + (0.5 * before.threat_m).clamp(MIN_MORE_M, EXTRA_M);
-                // Narrow streets close where it grows at once to the tolerance.
-                let grown_m = (GROWTH * before.threat_m).min(spec.mission.tolerance_m);
-                let min_m = match before.threat_m > NEAREST_M {
-                    true => grown_m,
-                    false => 0.0,
-                };
-                let raised_m = (before.threat_m + more_m).max(min_m);
+                // The whole tolerance at once would close narrow streets.
+                let again_m = (GROWTH * before.threat_m).min(tolerance_m);
+                let raised_m = raised_m(before.threat_m, more_m, again_m);
                 margins.threat_m = margins.threat_m.max(raised_m);
             }
             Repair::Separation => {
@@ -231,10 +229,10 @@ impl Strictness {
     }
 }
 
-/// A buffer with more, metres: no less than the tolerance where more was not enough before.
-fn raised_m(margin_m: f64, more_m: f64, spec: &MissionSpec) -> f64 {
+/// A buffer with more, metres: no less than `again_m` where more was not enough before.
+fn raised_m(margin_m: f64, more_m: f64, again_m: f64) -> f64 {
     let min_m = match margin_m > NEAREST_M {
-        true => spec.mission.tolerance_m,
+        true => again_m,
         false => 0.0,
     };
     (margin_m + more_m).max(min_m)

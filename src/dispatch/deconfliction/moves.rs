@@ -121,8 +121,8 @@ pub(super) fn shapes(shape: &Shape, separation: &Separation) -> Vec<Shape> {
     once(shape.clone()).chain(moved).collect()
 }
 
-/// Shapes that lead aside for a part of their way, so far that the rest is flown later: what a vehicle
-/// flies that must not be between others before they have passed.
+/// Shapes that lead aside over a part of a route, so that the rest is flown later, when others have
+/// passed.
 pub(super) fn delayed(shape: &Shape, separation: &Separation) -> Vec<Shape> {
     let (side_m, _) = units(separation);
     let mut all = Vec::new();

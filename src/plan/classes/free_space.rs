@@ -22,14 +22,14 @@ const AT_WALL_SHARE: f64 = 1.0;
 /// Nodes this near to an end are open, in cells: an end may lie within a margin.
 const AT_ENDS_CELLS: f64 = 1.5;
 
-/// Which zones with a floor or a ceiling may be passed.
+/// Which zones with a floor or a ceiling are open to a route; the others are closed at all altitudes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Passing {
     /// Those that a path has space over or under.
     Any,
-    /// Those that are above the lowest altitude.
+    /// Those under which the lowest altitude is.
     Under,
-    /// Those that are below the ceiling.
+    /// Those that reach down to it, and have to be flown over.
     Over,
 }
 

@@ -89,9 +89,8 @@ pub(super) fn or_through_corridors(
     (through_all().or(drawn).unwrap_or(first), false)
 }
 
-/// The cheapest path drawn taut through free space where every zone with a floor or a ceiling may be
-/// passed; where none keeps all limits, with those closed that the lowest path cannot pass under, or
-/// those that it can.
+/// The cheapest path drawn taut through free space in which every zone with a floor or a ceiling is open;
+/// where none keeps all limits, only those that the lowest path passes under, or only the others.
 fn drawn_taut(context: &RouteContext<'_>) -> Option<Found> {
     let world = context.world;
     let has_lids = (world.zones.iter()).any(|zone| zone.is_open_below(world.max_amsl));
