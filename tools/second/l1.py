@@ -13,6 +13,11 @@ TURNING_SHARE, BANK_LAG_S, FASTER_SHARE, SLOWER_SHARE = 0.7, 0.5, 0.08, 0.1
 INTEGRAL_GAIN, INTEGRAL_RAD, INTEGRAL_WITHIN_RAD = 0.02, 0.1, math.radians(5)
 LEAD_S = 1.0
 EITHER_WAY_RAD = math.radians(170)
+SINE_45 = math.sqrt(0.5)
+
+
+def within(value, limit):
+    return -limit if value < -limit else limit if value > limit else value
 
 
 def air_ratio(amsl):
@@ -35,10 +40,18 @@ class Leg:
 
     def distance(self, east, north):
         along, right = self.off(east, north)
-        return math.hypot(right, max(-along, along - self.length, 0.0))
+        if 0.0 <= along <= self.length:
+            return abs(right)
+        return math.hypot(right, max(-along, along - self.length))
 
     def turn(self, onto):
         return abs((onto.course - self.course + math.pi) % (2 * math.pi) - math.pi)
+
+
+def ahead(state, time, rates):
+    x, y, heading, bank, integral = state
+    dx, dy, turning, rolling, gathering = rates
+    return x + time * dx, y + time * dy, heading + time * turning, bank + time * rolling, integral + time * gathering
 
 
 class Law:
@@ -71,14 +84,14 @@ class Law:
         length = self.ahead(speed)
         _, right = leg.off(state[0], state[1])
         # Both positive where the wing is to be turned to the left.
-        nu1 = math.asin(min(max(right / length, -math.sqrt(0.5)), math.sqrt(0.5)))
+        nu1 = math.asin(within(right / length, SINE_45))
         nu2 = math.atan2(east * leg.north - north * leg.east, east * leg.east + north * leg.north)
         if abs(nu2) > EITHER_WAY_RAD:
             self.may_turn_either_way = True
             nu2 = self.side * abs(nu2)
-        nu = min(max(nu1 + integral + nu2, -math.pi / 2), math.pi / 2)
+        nu = within(nu1 + integral + nu2, math.pi / 2)
         across = 4 * self.damping**2 * speed**2 / length * math.sin(nu)
-        asked = min(max(math.atan(across / G), -self.limit), self.limit)
+        asked = within(math.atan(across / G), self.limit)
         gathers = INTEGRAL_GAIN * nu1 if abs(nu1) < INTEGRAL_WITHIN_RAD else 0.0
         if abs(integral) >= INTEGRAL_RAD and gathers * integral > 0:
             gathers = 0.0
@@ -138,14 +151,15 @@ class Law:
                 continue
             if since is None and i >= first:
                 since, aside, steps = (state[0], state[1]), 0.0, 0
-            a = self.rates(state, leg, airs[i], blows)
-            middle = [x + STEP_S / 2 * dx for x, dx in zip(state, a)]
-            b = self.rates(middle, leg, airs[i], blows)
-            state = [x + STEP_S * dx for x, dx in zip(state, b)]
+            middle = ahead(state, STEP_S / 2, self.rates(state, leg, airs[i], blows))
+            state = ahead(state, STEP_S, self.rates(middle, leg, airs[i], blows))
             t += STEP_S
             if since is not None:
                 steps += 1
-                aside = max(aside, min(line.distance(state[0], state[1]) for line in legs[max(i - 1, 0) : i + 1]))
+                off = leg.distance(state[0], state[1])
+                if i > 0 and off > aside:
+                    off = min(off, legs[i - 1].distance(state[0], state[1]))
+                aside = max(aside, off)
                 if steps * STEP_S >= judged - 1e-9:
                     here = state[0], state[1]
                     way.append((np.array(since), np.array(here), i, aside))
@@ -184,13 +198,13 @@ class Px4Law(Law):
             course = leg.course - math.copysign(math.pi / 2 * (1 - (1 - share) ** 2), right)
         # The wind from the right of the course turns the heading to the right of it.
         from_right = -(wind[0] * math.cos(course) - wind[1] * math.sin(course))
-        asked = course + math.asin(min(max(from_right / air, -1.0), 1.0))
+        asked = course + math.asin(within(from_right / air, 1.0))
         error = (asked - heading + math.pi) % (2 * math.pi) - math.pi
         if abs(error) > math.radians(150):
             self.may_turn_either_way = self.turns_back = True
             error = self.side * abs(error)
-        across = 0.8885 * air * math.sin(min(max(error, -math.pi / 2), math.pi / 2))
-        roll = min(max(math.atan(across / G), -self.limit), self.limit)
+        across = 0.8885 * air * math.sin(within(error, math.pi / 2))
+        roll = within(math.atan(across / G), self.limit)
         return east, north, self.turning_share * G * math.tan(bank) / air, (roll - bank) / BANK_LAG_S, 0.0
 
     def both(self, fly):

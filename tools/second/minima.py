@@ -60,8 +60,8 @@ def bundles(shapes):
     return [Lines(some, follows) for follows, some in lines.items() if some] + [One(s) for s in shapes if not isinstance(s, Line)]
 
 
-def along(all_shapes, value, slope):
-    """The least value along shapes and how far below it the true one may be."""
+def along(all_shapes, value, slope, cell_m=4):
+    """The least value along shapes and how far below it the true one may be; the first cells are no longer than stated."""
     best, low = math.inf, math.inf
     for shapes in all_shapes:
         index = np.arange(len(shapes.length))
@@ -69,7 +69,7 @@ def along(all_shapes, value, slope):
             best = min(best, float(value(shapes, index, np.full(len(index), s)).min()))
     for shapes in all_shapes:
         steep = slope(shapes)
-        count = np.where(shapes.length > 0, np.maximum(np.ceil(shapes.length / 4), 1), 0).astype(int)
+        count = np.where(shapes.length > 0, np.maximum(np.ceil(shapes.length / cell_m), 1), 0).astype(int)
         index = np.repeat(np.arange(len(count)), count)
         s = (np.arange(len(index)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[index]
         half = 0.5 / count[index]
@@ -144,7 +144,7 @@ def to_threat(flight, threat):
     def value(shapes, index, s):
         return np.linalg.norm(ecef(*shapes.place(index, s)) - axis, axis=-1) - threat["radius_m"]
 
-    return along(bundles(flight.everywhere()), value, lambda shapes: np.ones(len(shapes.length)))
+    return along(bundles(flight.everywhere()), value, lambda shapes: np.ones(len(shapes.length)), cell_m=400)
 
 
 class Fastest:
