@@ -80,7 +80,7 @@ function jump(number, scroll = true) {
   setTime(t);
   state.mark = { e, n, z };
   changed("mark");
-  if (scroll) element("views").scrollIntoView({ block: "start" });
+  if (scroll) element("view-bar").scrollIntoView({ block: "start" });
 }
 
 document.addEventListener("click", (event) => {
