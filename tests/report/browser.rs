@@ -11,7 +11,7 @@ use crate::facts::{HOSTILE, IDS, data_of, facts, hilly_spec, output, passing};
 
 /// What Chromium makes of a page: the document after its scripts ran, or none
 /// where there is no Chromium (a failure with `SORTIE_REQUIRE_PEERS=1`).
-fn in_chromium(name: &str, html: &str, flags: &[&str]) -> Option<String> {
+pub(crate) fn in_chromium(name: &str, html: &str, flags: &[&str]) -> Option<String> {
     let page = output().join(name);
     fs::write(&page, html).expect("a page");
     let profile = tempfile::tempdir().expect("a folder for the profile");
@@ -55,12 +55,12 @@ fn in_chromium(name: &str, html: &str, flags: &[&str]) -> Option<String> {
 }
 
 /// The attributes of the root element of a dumped document.
-fn root_of(dom: &str) -> &str {
+pub(crate) fn root_of(dom: &str) -> &str {
     let (_, after) = dom.split_once("<html").expect("a root");
     after.split_once('>').expect("its end").0
 }
 
-fn with_script(html: &str, script: &str) -> String {
+pub(crate) fn with_script(html: &str, script: &str) -> String {
     html.replace(
         "</body>",
         &format!("<script>{{ {script} }}</script></body>"),
@@ -68,10 +68,10 @@ fn with_script(html: &str, script: &str) -> String {
 }
 
 /// Tells in the root element what was found.
-const TELL: &str =
+pub(crate) const TELL: &str =
     "const tell = (found) => { document.documentElement.dataset.told = JSON.stringify(found); };";
 
-fn told(dom: &str) -> serde_json::Value {
+pub(crate) fn told(dom: &str) -> serde_json::Value {
     let (_, after) = root_of(dom)
         .split_once("data-told=\"")
         .expect("the script told");

@@ -7,4 +7,5 @@ mod browser;
 mod documents;
 mod facts;
 mod keys_page;
+mod layout;
 mod page;

@@ -79,7 +79,7 @@ fn the_spans_of_a_line_have_its_name_once() {
     assert_eq!(names.len(), zones - 2);
     let written = |text: &str| names.iter().filter(|name| name.contains(text)).count();
     assert_eq!(
-        (written(">110 kV"), written("span"), written(">mast")),
+        (written(">110 kV"), written("kV span"), written(">mast")),
         (1, 0, 1)
     );
     let data = data_of(&facts.html());

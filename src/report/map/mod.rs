@@ -5,6 +5,8 @@
 
 mod contour;
 mod labels;
+mod names;
+mod obstacle;
 
 use std::fmt::Write as _;
 
@@ -12,16 +14,12 @@ use crate::report::scene::{Bounds, Scene, VehicleShape, round_step};
 use crate::report::words::{self, escaped};
 use crate::report::{COLOURS, ReviewInput};
 use contour::{Contours, Line};
-use labels::{Area, Labels, Side};
+use names::write_names;
 
 /// Width of the map in units of its own.
 const WIDTH: f64 = 1000.0;
 /// With more vehicles than this, names would hide the paths.
 const MAX_NAMES: usize = 40;
-
-/// Size of names in the picture, and as the style of the page has them.
-const NAME_SIZE: f64 = 15.0;
-const PAGE_NAME_SIZE: f64 = 22.0;
 
 const PAPER: &str = "#eef0ea";
 const INK: &str = "#27313a";
@@ -105,8 +103,7 @@ pub(in crate::report) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inlin
         stations(&mut svg, &view, index, vehicle);
         stops(&mut svg, &view, index, vehicle);
     }
-    let size = if inline { PAGE_NAME_SIZE } else { NAME_SIZE };
-    write_names(&mut svg, &view, scene, size);
+    write_names(&mut svg, &view, scene, inline);
     if inline {
         svg.push_str("<g id=\"moving\"></g>");
     }
@@ -205,16 +202,19 @@ fn obstacles(svg: &mut String, view: &View, scene: &Scene) {
         let data = view.ring(&zone.ring);
         let _ = write!(
             svg,
-            "<path class=\"zone\" d=\"{data}\" fill=\"url(#hatch)\" stroke=\"{ZONE}\" stroke-width=\"1.5\"/>"
+            "<path class=\"zone\" d=\"{data}\" fill=\"url(#hatch)\" stroke=\"{ZONE}\" stroke-width=\"1.5\"><title>{}{}</title></path>",
+            escaped(zone.name.as_ref().unwrap_or(&zone.id)),
+            escaped(&zone.heights),
         );
     }
     for threat in &scene.threats {
         let _ = write!(
             svg,
-            "<circle class=\"threat\" cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{THREAT}\" fill-opacity=\".15\" stroke=\"{THREAT}\" stroke-width=\"1.5\"/>",
+            "<circle class=\"threat\" cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{THREAT}\" fill-opacity=\".15\" stroke=\"{THREAT}\" stroke-width=\"1.5\"><title>{}</title></circle>",
             one(view.x(threat.at[0])),
             one(view.y(threat.at[1])),
             one(threat.radius_m * view.scale),
+            escaped(&threat.id),
         );
     }
     for (at, what) in &scene.violations {
@@ -232,97 +232,6 @@ fn obstacles(svg: &mut String, view: &View, scene: &Scene) {
             "<path class=\"rally\" d=\"M{} {}l6 10h-12z\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.5\"/>",
             one(view.x(*east_m)),
             one(view.y(*north_m) - 6.0),
-        );
-    }
-}
-
-/// A name and the place it belongs to, on the picture.
-struct Name<'a> {
-    class: &'a str,
-    at: (f64, f64),
-    side: Side,
-    colour: &'a str,
-    text: String,
-}
-
-/// Names of vehicles, threats and zones, in the order in which they are placed.
-fn names(scene: &Scene, view: &View) -> Vec<Name<'static>> {
-    let few = scene.vehicles.len() <= MAX_NAMES;
-    let vehicles = scene.vehicles.iter().enumerate().filter(|_| few);
-    let of_vehicles = vehicles.map(|(index, vehicle)| {
-        let (start, goal) = (view.at(&vehicle.start), view.at(&vehicle.goal));
-        // Away from the goal, so that the name does not lie on the path.
-        let left = goal.0 > start.0 && start.0 > 190.0 || start.0 > WIDTH - 190.0;
-        Name {
-            class: "of-vehicle",
-            at: start,
-            side: if left { Side::Left } else { Side::Right },
-            colour: COLOURS[index % COLOURS.len()][0],
-            text: vehicle.id.clone(),
-        }
-    });
-    let of_threats = scene.threats.iter().map(|threat| Name {
-        class: "of-threat",
-        at: (view.x(threat.at[0]), view.y(threat.at[1])),
-        side: Side::Middle,
-        colour: THREAT,
-        text: threat.id.clone(),
-    });
-    let of_zones = scene.zones.iter().filter_map(|zone| {
-        let name = zone.name.as_ref()?;
-        let corners = &zone.ring[..zone.ring.len().saturating_sub(1)];
-        let count = f64::from(u32::try_from(corners.len().max(1)).unwrap_or(u32::MAX));
-        let middle = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / count;
-        Some(Name {
-            class: "of-zone",
-            at: (view.x(middle(0)), view.y(middle(1))),
-            side: Side::Middle,
-            colour: ZONE,
-            text: format!("{name}{}", zone.heights),
-        })
-    });
-    of_vehicles.chain(of_threats).chain(of_zones).collect()
-}
-
-/// Places and writes the names; the scripts of the page do so again for its own size.
-fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
-    let frame = Area {
-        left: 4.0,
-        top: 4.0,
-        right: WIDTH - 4.0,
-        bottom: view.height - 4.0,
-    };
-    let mut labels = Labels::new(frame, size);
-    if scene.vehicles.len() <= MAX_NAMES {
-        for vehicle in &scene.vehicles {
-            let track = &vehicle.track;
-            labels.pass((track.e.iter().zip(&track.n)).map(|(e, n)| (view.x(*e), view.y(*n))));
-            labels.avoid(view.at(&vehicle.start), size);
-            labels.avoid(view.at(&vehicle.goal), size);
-            for stop in &vehicle.stops {
-                labels.avoid(view.at(&stop.at), size);
-            }
-        }
-    }
-    for name in names(scene, view) {
-        let anchor = labels.place(name.at, name.side, &name.text);
-        let side = match name.side {
-            Side::Middle => "middle",
-            Side::Left => "left",
-            Side::Right => "right",
-        };
-        let _ = write!(
-            svg,
-            "<text class=\"{}\" data-at=\"{} {}\" data-side=\"{side}\" x=\"{}\" y=\"{}\" dy=\".35em\" text-anchor=\"middle\" font-size=\"{}\" font-weight=\"600\" \
-             fill=\"{}\" stroke=\"{PAPER}\" stroke-width=\"3.5\" stroke-linejoin=\"round\" paint-order=\"stroke\">{}</text>",
-            name.class,
-            one(name.at.0),
-            one(name.at.1),
-            one(anchor.x),
-            one(anchor.y),
-            one(anchor.share * NAME_SIZE),
-            name.colour,
-            escaped(&name.text)
         );
     }
 }

@@ -89,7 +89,7 @@ const profiles = (() => {
     caption.append(html("i", "swatch " + colourOf(index)), html("strong", "", vehicle.id));
     const reading = html("span", "reading");
     caption.append(reading);
-    figure.append(caption);
+    figure.append(caption, tightest(index));
     host.append(figure);
     if (track.t.length < 2) {
       reading.textContent = "no motion that could be judged";
@@ -190,8 +190,8 @@ const separation = (() => {
     };
     for (const { vehicles } of data.margins) if (vehicles.length === 2) add(...vehicles);
     if (scene.vehicles.length <= 5) scene.vehicles.forEach((_, a) => scene.vehicles.slice(a + 1).forEach((_, i) => add(a, a + 1 + i)));
-    const wanted = state.focus < 0 || scene.vehicles.length <= 5 ? list : list.filter((pair) => pair.includes(state.focus));
-    return wanted.slice(0, MOST);
+    const shown = state.focus < 0 || scene.vehicles.length <= 5 ? list : list.filter((pair) => pair.includes(state.focus));
+    return shown.slice(0, MOST);
   }
 
   /** Distance over time while both fly: as planned, and at the worst shift allowed. */
@@ -239,7 +239,7 @@ const separation = (() => {
     const most = Math.min(1e12, Math.max(limit === null ? 4 : limit * 4, values.reduce((a, d) => Math.max(a, d), 0) * 1.15));
     host.append(key);
     const marks = [];
-    for (let decade = 1; decade <= most; decade *= 10) for (const k of [1, 2, 5]) if (k * decade >= least && k * decade <= most) marks.push([k * decade, lengthText(k * decade, 0)]);
+    for (let decade = 1; decade <= most; decade *= 10) for (const k of [1, 2, 5]) if (k * decade >= least && k * decade <= most) marks.push([k * decade, k * decade >= 1000 ? (k * decade) / 1000 + " km" : k * decade + " m"]);
     const narrow = host.clientWidth < 500;
     const chart = frame(host, {
       height: narrow ? 260 : 300, x: [state.first, state.last], y: { from: least, to: most, map: Math.log10 },
@@ -285,7 +285,7 @@ const separation = (() => {
       cursor.setAttribute("d", `M${at.x(state.t).toFixed(1)} ${chart.top}V${base}`);
       shown.forEach(({ pair: [a, b] }, i) => {
         const p = fixAt(scene.vehicles[a].track, state.t), q = fixAt(scene.vehicles[b].track, state.t);
-        readings[i].textContent = p.flying && q.flying ? lengthText(apart(p, q)) : "–";
+        readings[i].textContent = p.flying && q.flying ? lengthText(apart(p, q)) : "not both in the air";
       });
     };
     move();
@@ -326,7 +326,7 @@ const errorsChart = (() => {
       key.append(entry);
       return reading;
     });
-    key.append(html("span", "", "full line: beside the planned way; dashed: above it, or below (negative)"));
+    key.append(html("span", "", "full line: cross-track error; dashed: height over the planned path, negative below"));
     host.append(key);
     const values = shown.flatMap(({ errors }) => errors.flatMap(([, aside, above]) => [aside, above]));
     const pad = 0.5, least = values.reduce((a, v) => Math.min(a, v), 0) - pad, most = values.reduce((a, v) => Math.max(a, v), 2) + pad;
@@ -347,7 +347,7 @@ const errorsChart = (() => {
       cursor.setAttribute("d", `M${at.x(state.t).toFixed(1)} ${chart.top}V${base}`);
       shown.forEach(({ errors }, i) => {
         const after = errors.findIndex(([t]) => t >= state.t), now = errors[after];
-        readings[i].textContent = now && after > 0 ? `${now[1].toFixed(1)} m beside, ${now[2].toFixed(1)} m above` : "–";
+        readings[i].textContent = now && after > 0 ? `${now[1].toFixed(1)} m across, ${now[2].toFixed(1)} m above` : "–";
       });
     };
     move();

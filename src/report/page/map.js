@@ -6,9 +6,12 @@ const map = (() => {
   const perMetre = whole.w / (scene.bounds.east - scene.bounds.west);
   const x = (e) => (e - scene.bounds.west) * perMetre, y = (n) => (scene.bounds.north - n) * perMetre;
   let view = { ...whole };
+  /** With more obstacles than this, a name that is free nowhere is not written; with fewer it stands on a path, without its heights. */
+  const MAX_ON_PATHS = 30;
 
   plan.classList.toggle("many", scene.vehicles.length > MANY);
   plan.style.setProperty("--crowd", crowd);
+  figure.style.setProperty("--tall", whole.h / whole.w);
   const now = scene.vehicles.map((_, vehicle) => {
     const group = svg("g", { class: colourOf(vehicle) }, moving);
     svg("path", { class: "now-ring", d: "M0 0h0" }, group);
@@ -22,8 +25,19 @@ const map = (() => {
 
   const names = [...plan.querySelectorAll("text[data-at]")].map((text) => {
     const [x, y] = text.dataset.at.split(" ").map(Number);
-    return { text, at: { x, y }, side: text.dataset.side };
+    return { text, at: { x, y }, side: text.dataset.side, obstacle: text.dataset.obstacle, heights: text.querySelector("tspan") };
   });
+  /** Every obstacle on the map: its whole name, ring and box. Threats come first, then zones. */
+  const obstacles = [...scene.threats.map((threat) => ({ id: threat.id, ring: solids.circle(threat) })), ...scene.zones].map(({ id, ring }, number) => {
+    const points = ring.map(([e, n]) => [x(e), y(n)]), [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
+    const box = { left: Math.min(...xs), right: Math.max(...xs), top: Math.min(...ys), bottom: Math.max(...ys) };
+    const written = names.find(({ obstacle }) => obstacle === String(number));
+    const holds = (x, y) => x >= box.left && x <= box.right && y >= box.top && y <= box.bottom && isInside(points, x, y);
+    return { name: written ? written.text.textContent : id, points, box, holds, middle: [(box.left + box.right) / 2, (box.top + box.bottom) / 2] };
+  });
+  for (const obstacle of obstacles) {
+    obstacle.isOther = (x, y) => obstacles.some((other) => other !== obstacle && other.holds(x, y) && !other.holds(...obstacle.middle));
+  }
 
   /** Map units in a CSS pixel. */
   const unit = () => {
@@ -57,44 +71,63 @@ const map = (() => {
       [{ left: top.x - 12 * k, right: top.x + 12 * k, top: high, bottom: top.y + 40 * k }, { left: x0, right: x0 + Math.max(metres * perMetre, 190 * k), top: y0 - 18 * k, bottom: low }]);
   }
 
-  /** Writes the names in view where they have room, away from the stations and from what else is taken. */
+  /** Writes the names in view: all of vehicles, and those of obstacles, the nearest to a flight first, that are free. */
   function writeNames(frame, k, taken) {
-    const few = scene.vehicles.length <= MANY;
-    for (const vehicle of few ? scene.vehicles : []) for (const [e, n] of [vehicle.start, vehicle.goal, ...vehicle.stops.map((stop) => stop.at)]) {
-      taken.push({ left: x(e) - 6 * k, right: x(e) + 6 * k, top: y(n) - 6 * k, bottom: y(n) + 6 * k });
+    const few = scene.vehicles.length <= MANY, lines = squares(frame, 5 * k);
+    for (const vehicle of few ? scene.vehicles : []) {
+      for (const [e, n] of [vehicle.start, vehicle.goal, ...vehicle.stops.map((stop) => stop.at)]) taken.push(areaAt(x(e), y(n), 14 * k, 14 * k));
+      lines.add(vehicle.track.e.map((e, i) => [x(e), y(vehicle.track.n[i])]));
     }
-    const place = placer(frame, taken, few ? pathsCovered(frame, 5 * k) : undefined);
-    for (const { text, at, side } of names) {
+    const place = placer(frame, taken, lines.count), whole = { left: -Infinity, right: Infinity, top: -Infinity, bottom: Infinity };
+    const size = 13 * k, width = (text) => textWidth(text, 13) * k;
+    for (const { text, at, side } of names.filter(({ obstacle }) => obstacle === undefined)) {
       const seen = at.x >= frame.left && at.x <= frame.right && at.y >= frame.top && at.y <= frame.bottom;
-      const whole = { left: -Infinity, right: Infinity, top: -Infinity, bottom: Infinity };
-      const spot = (seen ? place : placer(whole, []))(at, side, textWidth(text.textContent, 13) * k, 13 * k);
-      text.setAttribute("x", spot.x);
-      text.setAttribute("y", spot.y);
-      text.style.fontSize = 13 * k * spot.share + "px";
+      write(text, (seen ? place : placer(whole, []))(at, side, width(text.textContent), size), size);
+    }
+    const outlines = squares(frame, 5 * k);
+    for (const { points } of obstacles) outlines.add(points);
+    const placeFree = obstaclePlacer(frame, taken, (area) => lines.some(area) || outlines.some(area));
+    const placeOnPaths = obstacles.length > MAX_ON_PATHS ? () => null : obstaclePlacer(frame, taken, outlines.some);
+    for (const { text, obstacle, heights } of names.filter(({ obstacle }) => obstacle !== undefined)) {
+      // Without its heights where the whole name is not free.
+      const of = obstacles[obstacle], forms = heights ? [of.name, text.firstChild.data] : [of.name], widths = forms.map(width);
+      const free = placeFree(of, widths, size), found = free ?? placeOnPaths(of, widths.slice(-1), size);
+      if (found && heights) heights.style.display = free && free.form === 0 ? "" : "none";
+      write(text, found, size);
     }
   }
 
-  /** What an area covers of the paths, which lead through squares of this side. */
-  function pathsCovered(frame, side) {
-    const crossed = new Set(), key = (column, row) => column * 65536 + row;
-    const column = (x) => Math.floor((x - frame.left) / side), row = (y) => Math.floor((y - frame.top) / side);
-    const [columns, rows] = [column(frame.right), row(frame.bottom)];
-    for (const { track } of scene.vehicles) {
-      for (let i = 0; i + 1 < track.e.length; i++) {
-        const from = { x: x(track.e[i]), y: y(track.n[i]) }, dx = x(track.e[i + 1]) - from.x, dy = y(track.n[i + 1]) - from.y;
-        const steps = clamp(Math.ceil(Math.hypot(dx, dy) / side), 1, 1000);
-        for (let step = 0; step <= steps; step++) {
-          const at = [column(from.x + (dx * step) / steps), row(from.y + (dy * step) / steps)];
-          if (at[0] >= 0 && at[0] <= columns && at[1] >= 0 && at[1] <= rows) crossed.add(key(...at));
-        }
-      }
-    }
-    return ({ left, right, top, bottom }) => {
-      let count = 0;
-      for (let c = column(left); c <= column(right); c++) for (let r = row(top); r <= row(bottom); r++) count += crossed.has(key(c, r));
-      return count * side * side;
-    };
+  /** Moves a name to where it was placed, or hides it. */
+  function write(text, found, size) {
+    text.setAttribute("visibility", found ? "visible" : "hidden");
+    if (!found) return;
+    text.setAttribute("x", found.x);
+    text.setAttribute("y", found.y);
+    text.style.fontSize = size * found.share + "px";
   }
+
+  const tip = element("tip"), MAX_LINES = 8;
+  // The script shows these, also where a finger taps.
+  plan.querySelectorAll(":is(.threat, .zone) > title").forEach((title) => title.remove());
+  /** Names every obstacle under a point of the figure, CSS pixels. */
+  function point({ clientX, clientY }) {
+    const box = figure.getBoundingClientRect(), k = unit(), [px, py] = [clientX - box.left, clientY - box.top];
+    const at = [view.x + view.w / 2 + (px - box.width / 2) * k, view.y + view.h / 2 + (py - box.height / 2) * k];
+    const under = [...new Set(obstacles.filter(({ holds }) => holds(...at)).map(({ name }) => name))];
+    const more = under.length - MAX_LINES;
+    tip.textContent = under.slice(0, MAX_LINES).concat(more > 0 ? [`and ${more} more`] : []).join("\n");
+    tip.hidden = !under.length;
+    tip.style.left = clamp(px + 12, 0, Math.max(0, box.width - tip.offsetWidth - 4)) + "px";
+    tip.style.top = (py + 16 + tip.offsetHeight > box.height ? Math.max(0, py - 12 - tip.offsetHeight) : py + 16) + "px";
+  }
+  let moved = false;
+  figure.addEventListener("pointerdown", () => { moved = false; });
+  figure.addEventListener("pointermove", (event) => {
+    moved ||= Math.hypot(event.movementX, event.movementY) > 2;
+    if (event.buttons) tip.hidden = true; else point(event);
+  });
+  figure.addEventListener("click", (event) => { if (!moved && !event.target.closest("button")) point(event); });
+  figure.addEventListener("pointerleave", (event) => { if (event.pointerType === "mouse") tip.hidden = true; });
 
   function clampView() {
     view.w = clamp(view.w, whole.w / 60, whole.w);
@@ -151,5 +184,7 @@ const map = (() => {
       clampView();
     }
   });
-  return { show };
+  /** Obstacles in the order in which their names are placed: numbers of `obstacles`. */
+  const order = names.filter(({ obstacle }) => obstacle !== undefined).map(({ obstacle }) => Number(obstacle));
+  return { show, order };
 })();

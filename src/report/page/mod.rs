@@ -30,12 +30,14 @@ const TEMPLATE: &str = include_str!("page.html");
 /// Colours and letters, which other pages share.
 pub(crate) const BASE_STYLE: &str = include_str!("base.css");
 const STYLE: &str = include_str!("page.css");
-const JAVASCRIPT: [&str; 7] = [
+const JAVASCRIPT: [&str; 9] = [
     include_str!("state.js"),
+    include_str!("labels.js"),
     include_str!("solids.js"),
     include_str!("shaders.js"),
-    include_str!("scene.js"),
     include_str!("map.js"),
+    include_str!("scene.js"),
+    include_str!("limits.js"),
     include_str!("charts.js"),
     include_str!("page.js"),
 ];
@@ -426,7 +428,11 @@ fn left_out(count: usize) -> String {
     if count == 0 {
         String::new()
     } else {
-        format!("<p class=\"note\">{count} more limits, wider than these, are in review.json.</p>")
+        let more = match count {
+            1 => "1 more limit, wider than these, is".to_owned(),
+            _ => format!("{count} more limits, wider than these, are"),
+        };
+        format!("<p class=\"note\">{more} in review.json.</p>")
     }
 }
 
@@ -491,7 +497,7 @@ fn footer(input: &ReviewInput<'_>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::fill;
+    use super::{fill, left_out};
 
     #[test]
     fn a_part_that_looks_like_a_place_is_left_alone() {
@@ -501,5 +507,11 @@ mod tests {
             _ => String::new(),
         });
         assert_eq!(page, "<{{b}}|two|>");
+    }
+
+    #[test]
+    fn one_limit_that_is_left_out_is_no_plural() {
+        assert!(left_out(1).contains("1 more limit, wider than these, is in"));
+        assert!(left_out(2).contains("2 more limits, wider than these, are in"));
     }
 }

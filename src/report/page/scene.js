@@ -238,18 +238,15 @@ const scene3d = (() => {
 
   function markers() {
     const few = scene.vehicles.length <= MANY, halo = themed("--halo");
-    const place = placer({ left: 4, top: 4, right: width - 4, bottom: height - 4 }, vehiclesNow());
-    /** A name where it has room; one whose place is out of view is not written. */
-    const written = (text, at, colour, side = "middle") => {
+    // Off the buttons and the vehicles.
+    const taken = [{ left: width - 270, right: width, top: 0, bottom: 42 }, ...vehiclesNow()];
+    const place = placer({ left: 4, top: 4, right: width - 4, bottom: height - 4 }, taken);
+    /** A name where it has space; one whose point is out of view is not written. */
+    const written = (text, at, colour, side) => {
       if (!at || at.x < 0 || at.x > width || at.y < 0 || at.y > height) return;
-      const spot = place(at, side, textWidth(text, 12), 12);
-      name(text, { x: spot.x, y: spot.y + 4 }, colour, "center", true, 12 * spot.share);
+      const found = place(at, side, textWidth(text, 12), 12, side === "middle");
+      if (found) name(text, { x: found.x, y: found.y + 4 }, colour, "center", true, 12 * found.share);
     };
-    for (const threat of scene.threats) written(threat.id, project(...threat.at, top), themed("--threat"));
-    for (const zone of scene.zones) {
-      const count = zone.ring.length - 1, sum = (axis) => zone.ring.slice(0, count).reduce((a, c) => a + c[axis], 0) / count;
-      if (zone.name !== null) written(zone.name, project(sum(0), sum(1), zone.below_m === null ? top : Math.min(zone.below_m, top)), themed("--zone"));
-    }
     // The planned way under what was flown.
     scene.vehicles.forEach((vehicle, index) => {
       pen.globalAlpha = state.focus < 0 || state.focus === index ? 0.45 : 0.12;
@@ -262,7 +259,7 @@ const scene3d = (() => {
     scene.vehicles.forEach((vehicle, index) => {
       const colour = themed("--v" + (index % data.colours.length));
       pen.globalAlpha = state.focus < 0 || state.focus === index ? 1 : 0.25;
-      const spot = (at, radius, square, hollow) => {
+      const station = (at, radius, square, hollow) => {
         const p = project(...at);
         if (!p) return;
         pen.beginPath();
@@ -274,10 +271,10 @@ const scene3d = (() => {
         pen.stroke();
       };
       if (few) {
-        spot(vehicle.home, 4, true, false);
-        spot(vehicle.start, 4.5, false, false);
-        spot(vehicle.goal, 4.5, false, true);
-        for (const stop of vehicle.stops) spot(stop.at, 3.5, true, true);
+        station(vehicle.home, 4, true, false);
+        station(vehicle.start, 4.5, false, false);
+        station(vehicle.goal, 4.5, false, true);
+        for (const stop of vehicle.stops) station(stop.at, 3.5, true, true);
       }
       const fix = fixAt(vehicle.track, state.t);
       if (fix) {
@@ -293,11 +290,23 @@ const scene3d = (() => {
           pen.lineWidth = 2 * size;
           pen.fill();
           pen.stroke();
+          // A vehicle that has not departed, or is down, has a name to read all the same.
+          pen.globalAlpha = state.focus < 0 || state.focus === index ? 1 : 0.45;
           if (few || state.focus === index) written(vehicle.id, p, themed("--ink"), "right");
         }
       }
       pen.globalAlpha = 1;
     });
+    // Obstacles after the vehicles, the nearest to a flight first, as on the map.
+    for (const number of map.order) {
+      const threat = scene.threats[number], zone = scene.zones[number - scene.threats.length];
+      if (threat) {
+        written(threat.id, project(...threat.at, top), themed("--threat"), "middle");
+        continue;
+      }
+      const count = zone.ring.length - 1, sum = (axis) => zone.ring.slice(0, count).reduce((a, c) => a + c[axis], 0) / count;
+      written(zone.name, project(sum(0), sum(1), zone.below_m === null ? top : Math.min(zone.below_m, top)), themed("--zone"), "middle");
+    }
     if (state.mark) {
       const p = project(state.mark.e, state.mark.n, state.mark.z);
       if (p) {

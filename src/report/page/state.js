@@ -136,49 +136,6 @@ function reliefAt(e, n) {
   return (south + (north - south) * fy) / 10;
 }
 
-/** Ways to write a name about its place: the side of the text, and the offset in its height. */
-const WAYS = (() => {
-  const left = [-1, -0.85, 0], right = [1, 0.85, 0], about = [[0, 0, 1.3], [0, 0, -1.3]], far = [[0, 0, 2.5], [0, 0, -2.5]];
-  return { middle: [[0, 0, 0], ...about, right, left, ...far], left: [left, right, ...about, ...far], right: [right, left, ...about, ...far] };
-})();
-
-/**
- * Places names in a frame one after the other, each in the first way that is free, in small
- * letters if need be; where none is, in the one that covers least. `taken` are areas to leave
- * free ({ left, top, right, bottom }); it grows. Returns a function of the place, the side,
- * the width and the height of a name, to its middle and the share of its size.
- */
-function placer(frame, taken, crossed = () => 0) {
-  const shared = (a, b) => Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
-  const inside = (value, from, to, length) => Math.max(Math.min(value, to - length / 2), from + length / 2);
-  return (at, side, width, height) => {
-    let best = null;
-    for (const share of [1, 0.8]) {
-      const [w, h] = [width * share, height * 1.2 * share];
-      for (const [aside, dx, dy] of WAYS[side]) {
-        const x = inside(at.x + dx * height + (aside * w) / 2, frame.left, frame.right, w), y = inside(at.y + dy * height, frame.top, frame.bottom, h);
-        const area = { left: x - w / 2, top: y - h / 2, right: x + w / 2, bottom: y + h / 2 };
-        const covers = taken.reduce((sum, other) => sum + shared(area, other), crossed(area));
-        if (!best || covers < best.covers) best = { x, y, share, covers, area };
-        if (covers === 0) break;
-      }
-      if (best.covers === 0) break;
-    }
-    taken.push(best.area);
-    return best;
-  };
-}
-
-/** Width of a text in CSS pixels, in the font of names. */
-const textWidth = (() => {
-  const pen = document.createElement("canvas").getContext("2d"), known = new Map();
-  return (text, size) => {
-    pen.font = `600 100px ${getComputedStyle(document.body).fontFamily}`;
-    if (!known.has(text)) known.set(text, pen.measureText(text).width / 100);
-    return known.get(text) * size;
-  };
-})();
-
 const times = scene.vehicles.flatMap(({ track }) => (track.t.length ? [track.t[0], track.t[track.t.length - 1]] : []));
 const state = {
   first: Math.min(0, ...times), last: Math.max(1, ...times),

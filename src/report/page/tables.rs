@@ -145,6 +145,7 @@ pub(in crate::report) fn served(
     let rows: String = rows.take(most).collect();
     let more = match count.saturating_sub(most) {
         0 => String::new(),
+        1 => "<p class=\"note\">1 more is in flight.json.</p>".to_owned(),
         more => format!("<p class=\"note\">{more} more are in flight.json.</p>"),
     };
     format!(
