@@ -175,3 +175,32 @@ fn each_vehicle_has_its_three_tightest_limits_broken_ones_first_and_each_leads_t
         "{told}"
     );
 }
+
+#[test]
+fn entries_of_the_legend_stand_apart_whatever_their_length() {
+    let long = "inspection-of-the-northern-lines-";
+    let ids = [1, 2, 3].map(|number| format!("{long}{number}"));
+    let svg = facts(hilly_spec(ids.each_ref().map(String::as_str))).svg();
+    let (_, legend) = svg.rsplit_once("<g transform=").expect("a legend");
+    let texts = legend.split("<text x=\"").skip(1);
+    let ends: Vec<(f64, f64, f64)> = texts
+        .map(|text| {
+            let number = |text: &str| text.split('"').next().expect("a quote").parse::<f64>();
+            let (x, y) = text.split_once(" y=\"").expect("y");
+            let (before, _) = text.split_once("</text>").expect("an end");
+            let letters = before
+                .split('>')
+                .skip(1)
+                .filter_map(|part| part.split('<').next());
+            let count = letters.map(|part| part.chars().count()).sum::<usize>();
+            let count = f64::from(u16::try_from(count).expect("few"));
+            let x = number(x).expect("a number");
+            (x, number(y).expect("a number"), x + count * 8.5)
+        })
+        .collect();
+    assert_eq!(ends.len(), 3);
+    for pair in ends.windows(2) {
+        let ((_, y, end), (x, next_y, _)) = (pair[0], pair[1]);
+        assert!(next_y > y || x > end, "{ends:?}");
+    }
+}

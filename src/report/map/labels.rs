@@ -10,6 +10,8 @@ const LINE: f64 = 1.2;
 const LETTER: f64 = 0.58;
 /// Size of a label that finds no free place, as a share of the common size.
 const SMALLER: f64 = 0.8;
+/// Distance of labels of obstacles from each other in a line, as a share of the size.
+const APART: f64 = 0.4;
 /// Side of the squares that paths are drawn through, as a share of the size.
 const SQUARE: f64 = 0.4;
 /// Distance of a label from the outline of its obstacle, as a share of the size.
@@ -58,6 +60,11 @@ impl Labels {
     /// Keeps labels away from a mark.
     pub(super) fn avoid(&mut self, at: (f64, f64), size: f64) {
         self.taken.push(Area::around(at, size, size));
+    }
+
+    /// Keeps labels off an area.
+    pub(super) fn leave_free(&mut self, area: Area) {
+        self.taken.push(area);
     }
 
     /// Keeps labels off a path.
@@ -115,7 +122,7 @@ impl Labels {
         for (form, off_paths) in tried.chain(on_path.map(|form| (form, false))) {
             let found = self.free(obstacles, own, &forms[form], off_paths);
             if let Some((anchor, area)) = found {
-                self.taken.push(area);
+                self.taken.push(area.widened(APART * self.size));
                 return Some((anchor, form));
             }
         }

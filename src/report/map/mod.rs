@@ -5,6 +5,7 @@
 
 mod contour;
 mod labels;
+mod legend;
 mod names;
 mod obstacle;
 
@@ -38,7 +39,7 @@ struct View {
 pub fn review_svg(input: &ReviewInput<'_>) -> String {
     let scene = Scene::new(input);
     let view = View::new(scene.bounds);
-    let (top, bottom) = (84.0, legend_height(&scene.vehicles) + 24.0);
+    let (top, bottom) = (84.0, legend::height(&scene.vehicles) + 24.0);
     let passes = input.review.passes();
     let (word, colour) = if passes {
         ("PASS", "#17703f")
@@ -64,7 +65,7 @@ pub fn review_svg(input: &ReviewInput<'_>) -> String {
         "<g transform=\"translate(0 {})\">",
         one(top + view.height + 34.0)
     );
-    svg.push_str(&legend(&scene.vehicles));
+    svg.push_str(&legend::legend(&scene.vehicles));
     svg.push_str("</g></svg>\n");
     svg
 }
@@ -348,43 +349,6 @@ fn furniture(svg: &mut String, view: &View, contours: &Contours) {
         one(bar),
         one(view.height - 32.0),
     );
-}
-
-const LEGEND_COLUMNS: usize = 4;
-const LEGEND_LINE: f64 = 26.0;
-
-fn legend_height(vehicles: &[VehicleShape]) -> f64 {
-    let lines = vehicles.len().min(MAX_NAMES).div_ceil(LEGEND_COLUMNS);
-    f64::from(u32::try_from(lines).unwrap_or(0)) * LEGEND_LINE + 14.0
-}
-
-fn legend(vehicles: &[VehicleShape]) -> String {
-    let mut svg = String::new();
-    for (index, vehicle) in vehicles.iter().take(MAX_NAMES).enumerate() {
-        let column = f64::from(u32::try_from(index % LEGEND_COLUMNS).unwrap_or(0));
-        let line = f64::from(u32::try_from(index / LEGEND_COLUMNS).unwrap_or(0));
-        let (x, y) = (column * 250.0, line * LEGEND_LINE);
-        let duration = vehicle.duration_s().map_or_else(String::new, |duration_s| {
-            format!(
-                " {} km, {}{}",
-                words::number(vehicle.length_m / 1000.0, 1),
-                words::clock(duration_s),
-                if vehicle.stays() { ", loiters" } else { "" }
-            )
-        });
-        let _ = write!(
-            svg,
-            "<path d=\"M{} {}h26\" stroke=\"{}\" stroke-width=\"3.5\" stroke-linecap=\"round\"/>\
-             <text x=\"{}\" y=\"{}\" font-size=\"15\" fill=\"{INK}\"><tspan font-weight=\"600\">{}</tspan><tspan fill=\"#5b6670\">\u{2002}{duration}</tspan></text>",
-            one(x + 2.0),
-            one(y),
-            COLOURS[index % COLOURS.len()][0],
-            one(x + 38.0),
-            one(y + 5.0),
-            escaped(&vehicle.id)
-        );
-    }
-    svg
 }
 
 fn tenth(value: f64) -> f64 {

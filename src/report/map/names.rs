@@ -41,7 +41,14 @@ pub(super) fn write_names(svg: &mut String, view: &View, scene: &Scene, inline: 
         bottom: view.height - 4.0,
     };
     let mut labels = Labels::new(frame, size);
+    // The north arrow and the scale bar.
     labels.avoid((970.0, 38.0), 50.0);
+    labels.leave_free(Area {
+        left: 0.0,
+        top: view.height - 50.0,
+        right: 270.0,
+        bottom: view.height,
+    });
     if scene.vehicles.len() <= MAX_NAMES {
         for vehicle in &scene.vehicles {
             labels.pass(path(view, vehicle).into_iter());

@@ -30,6 +30,15 @@ impl Area {
         }
     }
 
+    /// The area with as much on its left and on its right.
+    pub(super) fn widened(self, by: f64) -> Self {
+        Self {
+            left: self.left - by,
+            right: self.right + by,
+            ..self
+        }
+    }
+
     /// The area that two have in common.
     pub(super) fn shared(&self, other: &Self) -> f64 {
         let width = self.right.min(other.right) - self.left.max(other.left);

@@ -16,6 +16,9 @@ const shared = (a, b) => Math.max(0, Math.min(a.right, b.right) - Math.max(a.lef
 /** An area of some width and height about a point. */
 const areaAt = (x, y, w, h) => ({ left: x - w / 2, top: y - h / 2, right: x + w / 2, bottom: y + h / 2 });
 
+/** An area with as much on its left and on its right. */
+const widened = (area, by) => ({ ...area, left: area.left - by, right: area.right + by });
+
 /** Whether a point is inside of a ring. */
 function isInside(ring, x, y) {
   let inside = false;
@@ -54,7 +57,7 @@ function placer(frame, taken, crossed = () => 0) {
       if (best.covers === 0) break;
     }
     if (onlyFree && best.covers > 0) return null;
-    taken.push(best.area);
+    taken.push(onlyFree ? widened(best.area, height * 0.4) : best.area);
     return best;
   };
 }
@@ -121,7 +124,7 @@ function obstaclePlacer(frame, taken, isCrossed) {
       for (const [x, y] of aroundBox(box, w, h, height * 0.42)[where]) {
         const area = areaAt(x, y, w, h);
         if ((where === "inside") !== holds(x, y) || isOther(x, y) || !isFree(area)) continue;
-        taken.push(area);
+        taken.push(widened(area, height * 0.4));
         return { x, y, share, form };
       }
     }
