@@ -20,4 +20,5 @@ mod mission_accept;
 mod mission_build;
 mod params_without_spec;
 mod wing_returns;
+mod wings_without_spec;
 mod without_spec;

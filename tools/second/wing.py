@@ -196,7 +196,7 @@ class WingFlight(Circles, Flight):
 
     def in_two(self, low, high, ground):
         """From the ground up: as long as half of the height is asked for, and the rest."""
-        split = ground + 2 * self.min_agl
+        split = ground + max(2 * self.min_agl, self.min_agl + 20)
         if split >= high.amsl:
             return [replace(high, slope_from=ground)]
         a, b = self.flat(low), self.flat(high)

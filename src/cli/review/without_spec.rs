@@ -8,6 +8,7 @@ mod flags;
 mod given;
 mod rates;
 mod versions;
+mod wings;
 
 use std::path::{Path, PathBuf};
 
@@ -102,9 +103,9 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         return Err(Failure::new(Failure::USAGE, "no mission files given"));
     };
     spec.vehicles = vehicles;
-    "review".clone_into(&mut spec.name);
     spec.version = assumed::version(&missions, limits);
     let mut world = world(&spec, &missions, limits)?;
+    wings::describe(&mut spec.vehicles, &missions, &world.terrain, limits);
     let mut begin = |(index, mission): &(usize, VehicleMission)| {
         let vehicle = (*index, &spec.vehicles[*index]);
         assumed::begin_in_air(vehicle, mission, &mut world, limits, &mut assumed)

@@ -128,7 +128,7 @@ fn place(x: i32, y: i32) -> Option<LatLon> {
 }
 
 /// The height of an item above home, metres; none where that depends on the ground.
-fn above_home_m(item: &Item, mission: &VehicleMission) -> Option<f64> {
+pub(crate) fn above_home_m(item: &Item, mission: &VehicleMission) -> Option<f64> {
     match frame::canonical(item.frame) {
         frame::GLOBAL_RELATIVE_ALT => Some(f64::from(item.z)),
         frame::GLOBAL => Some(f64::from(item.z) - f64::from(mission.home.amsl_m)),

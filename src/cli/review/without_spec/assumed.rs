@@ -240,12 +240,12 @@ fn first_place(
     mission: &VehicleMission,
     world: &World,
 ) -> Option<(usize, PlanPoint, Option<crate::geodesy::EastNorth>)> {
-    const NAV_LAST: u16 = 95;
     let is_home_known = (mission.home.x, mission.home.y) != (0, 0);
     if !mission.facts().acceptance.needs_takeoff || !is_home_known {
         return None;
     }
-    let navigates = |item: &Item| item.command <= NAV_LAST && item.command != command::NAV_DELAY;
+    let navigates =
+        |item: &Item| item.command <= command::NAV_LAST && item.command != command::NAV_DELAY;
     let index = mission.items.iter().position(navigates)?;
     let item = &mission.items[index];
     let goes = matches!(
@@ -268,7 +268,13 @@ fn first_place(
     Some((index + 1, point, next.map(|next| world.frame.to_plan(next))))
 }
 
-fn amsl(item: &Item, at: LatLon, mission: &VehicleMission, terrain: &Terrain) -> Option<Amsl> {
+/// The altitude of an item with a place; none over ground that is not known.
+pub(super) fn amsl(
+    item: &Item,
+    at: LatLon,
+    mission: &VehicleMission,
+    terrain: &Terrain,
+) -> Option<Amsl> {
     let z_m = f64::from(item.z);
     match frame::canonical(item.frame) {
         frame::GLOBAL => Some(Amsl(z_m)),

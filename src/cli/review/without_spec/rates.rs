@@ -12,11 +12,11 @@ const NEAR_M: f64 = 2.0;
 
 /// A vehicle with its greatest climb and descent: by its parameters, or their defaults.
 #[derive(Clone, Debug)]
-struct Rates {
+pub(super) struct Rates {
     vehicle: String,
     has_wing: bool,
-    climb_mps: f64,
-    descent_mps: f64,
+    pub(super) climb_mps: f64,
+    pub(super) descent_mps: f64,
     /// The parameters with these values.
     stated: String,
     /// How far it comes to be below its legs where they climb, and above where they descend, metres.
@@ -25,7 +25,7 @@ struct Rates {
 }
 
 impl Rates {
-    fn of(vehicle: &str, mission: &VehicleMission) -> Option<Self> {
+    pub(super) fn of(vehicle: &str, mission: &VehicleMission) -> Option<Self> {
         let least = |names: &[&'static str]| {
             let all = names
                 .iter()

@@ -22,8 +22,8 @@ use crate::world::Terrain;
 /// A plane finds the ground within this of the altitude that it lands at: it flares by its own
 /// measurements of height.
 const LANDING_M: f64 = 10.0;
-/// A climb-out and a glide are slopes so far above the ground at least, whatever `min_agl`, metres: with the lag of
-/// their climb under them they would begin below the ground.
+/// A climb-out and a glide are slopes so far above `min_agl` at least, metres: with the lag of their climb under
+/// them what follows would begin below that, over flat ground.
 const MIN_SLOPE_M: f64 = 20.0;
 /// Segments of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
@@ -219,11 +219,12 @@ impl Pilot<'_> {
     /// required clearance and the part where the minimum height does. That begins above its lag: where the slope
     /// begins it is on the ground.
     fn in_two(&self, ground: &Knot, top: Knot, ground_m: f64) -> Vec<Knot> {
+        let min_agl_m = self.world.min_agl.0;
         let min_m = match self.world.terrain {
             Terrain::Unknown => 0.0,
-            _ => MIN_SLOPE_M,
+            _ => min_agl_m + MIN_SLOPE_M,
         };
-        let split_m = ground_m + (self.world.min_agl.0 / SLOPE_SHARE).max(min_m);
+        let split_m = ground_m + (min_agl_m / SLOPE_SHARE).max(min_m);
         let sloping = |knot: Knot| Knot {
             slope_from_m: Some(ground_m),
             ..knot

@@ -5,7 +5,8 @@
 //! The text of [`crate::verify`] in full where it concerns wings, so that it can be written a second time. A
 //! QuadPlane is a vtol of ArduPlane. Directions are those of the tangent plane at the origin. The loiter radius of
 //! a wing of PX4 is `loiter_radius_m`, or `NAV_LOITER_RAD` if that is more. `R` without a corner is that of
-//! `speed_mps` at the ceiling of the area (`max_amsl_m`), in wind with the wind's speed.
+//! `speed_mps` at the ceiling of the area (`max_amsl_m`; where no spec and no flag states one, at the highest place of
+//! the mission), in wind with the wind's speed.
 //!
 //! **Climb-out.** A plane runs from home for `v^2 / 2a`, `v` its speed over the ground on its course at the
 //! altitude of the item, `a` its `accel_mps2` (in time at `v / 2`), and leaves the ground. From there it climbs
@@ -13,7 +14,7 @@
 //! altitude, by `max_climb_deg` or `climb_mps` over the speed of `R`, whichever is less: a leg that begins with its
 //! speed and ends at a corner. The course leads to the place of the item (PX4), or is `takeoff_heading_deg`
 //! (ArduPlane). As long as its height above the ground of the lift-off is less than twice `min_agl_m` with its
-//! buffer, half of that height must be clear; from there on it is a leg as any other.
+//! buffer, or than `min_agl_m` and 20 m if that is more, half of that height must be clear; from there on it is a leg as any other.
 //!
 //! A plane of PX4 is up to 36 s late from there on. Each is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
 //! the altitude at 0.2, and straight to the next place from there and from 0.1, 0.2 and 0.3 of what is left of the

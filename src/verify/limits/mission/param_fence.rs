@@ -2,9 +2,12 @@
 //! beyond the places of items, and a floor counts only once the vehicle was above it.
 
 use super::MissionCheck;
-use crate::mission::{AcceptanceProblem, Item, ParamFence, command};
+use crate::mission::{AcceptanceProblem, Item, ParamFence, above_home_m, command};
 use crate::verify::Moment;
-use crate::verify::measure::segment::Phase;
+use crate::verify::measure::segment::{Phase, Segment};
+
+/// A wing is level that is lower than its last place by no more, metres.
+const LEVEL_M: f64 = 0.01;
 
 impl MissionCheck<'_> {
     /// The first place at which the flight comes to the fence of the mission's parameters. On a return, by
@@ -17,7 +20,8 @@ impl MissionCheck<'_> {
             let item = self.mission.items.get(segment.row.checked_sub(1)?)?;
             let lands = is_takeoff_or_landing(item);
             let is_end = segment.phase == Phase::Finish && !lands;
-            if is_end || item.command == command::NAV_RETURN_TO_LAUNCH {
+            let is_return = item.command == command::NAV_RETURN_TO_LAUNCH;
+            if is_end || is_return || self.turns_back(item, segment) {
                 return None;
             }
             let is_low = was_above && !lands;
@@ -32,6 +36,16 @@ impl MissionCheck<'_> {
                 Some((problem, segment.moment(&self.world.frame, u)))
             })
         })
+    }
+
+    /// Whether a segment is the turn of a wing into its return, in which it climbs from the last place on.
+    fn turns_back(&self, item: &Item, segment: &Segment) -> bool {
+        let next = self.mission.items.get(segment.row);
+        let returns = next.is_none_or(|next| next.command == command::NAV_RETURN_TO_LAUNCH);
+        let from_m = segment.from.amsl.0 - self.sites.home.amsl.0;
+        let is_over = above_home_m(item, self.mission).is_some_and(|m| from_m >= m - LEVEL_M);
+        let climbs = segment.to.amsl > segment.from.amsl;
+        self.vehicle.airframe.has_wing() && returns && is_over && climbs
     }
 }
 
