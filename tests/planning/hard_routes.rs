@@ -88,6 +88,36 @@ fn half_a_metre_between_the_lowest_altitude_and_a_zone_is_enough() {
     assert!(cost < 3.62, "{cost}");
 }
 
+/// A gap of 24 m in a wall of 9 km, buffers of 10 m on both sides: a grid over the area does not show it, and the
+/// way around costs 9.24. No path through it costs less than 4.538.
+#[test]
+fn a_gap_of_24_m_in_a_wall_of_9_km_is_flown_through() {
+    let cost = passing_cost_with("gap-of-24-m.yaml", 10_000, 1);
+    assert!(cost < 1.005 * 4.538, "{cost}");
+}
+
+/// Goal in a walled yard with a door of 24 m, in an area of 12 km. A path by hand costs 4.609.
+#[test]
+fn a_yard_with_one_narrow_door_is_flown_into() {
+    let cost = passing_cost_with("court.yaml", 2000, 1);
+    assert!(cost < 4.609, "{cost}");
+}
+
+/// 168 hexagonal blocks with streets of 26 m: around them it is 22 % further than through, where a path by hand with
+/// stops at its corners costs 3.1285.
+#[test]
+fn hexagonal_blocks_are_flown_between_and_not_around() {
+    let cost = passing_cost_with("hexagons.yaml", 10_000, 1);
+    assert!(cost < 3.1285, "{cost}");
+}
+
+/// 81 towers of different heights: the valleys that many starts found were 2 % dearer than one of few.
+#[test]
+fn more_evaluations_among_towers_cost_no_more_than_few() {
+    let [few, more] = [2000, 10_000].map(|count| passing_cost_with("towers.yaml", count, 1));
+    assert!(more <= few, "{more} {few}");
+}
+
 /// Three vehicles of 5, 7 and 9 m/s, the fastest the last, in a corridor in which none can pass another:
 /// one has to lead aside before it. Alone they cost 12.39.
 #[test]

@@ -17,7 +17,7 @@ const NEAR_M: f64 = 100.0;
 /// Shares of that, the next where there are too many corners.
 const NEARER: [f64; 3] = [1.0, 0.5, 0.25];
 /// Most corners: edges between more of them take too long.
-const MAX_CORNERS: usize = 600;
+const MAX_CORNERS: usize = 1200;
 /// How far back along the path a line may lead, metres: around one bend of it.
 const BACK_M: f64 = 25.0;
 /// Lines pass corners at this distance, metres.

@@ -5,6 +5,7 @@
 //! need, drawn tight and judged; the fewest control points with a clean fit are searched. It runs
 //! only after the default search, so the plans that this finds keep their bytes.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -12,9 +13,9 @@ use rayon::prelude::*;
 use super::fit::{Fitter, Line, Warp};
 use super::problem::Sampled;
 use super::seeds::seed_at;
-use super::taut::along_classes;
+use super::taut::along_lines;
 use super::tighten::{FieldCost, Tightener};
-use super::{Found, Run, fine, found_among, swarms};
+use super::{Found, Run, fine, found_among, polished, search_classes, swarms};
 use crate::cost::CostTerms;
 use crate::optimize::SearchSeed;
 use crate::path::VehicleLimits;
@@ -22,6 +23,7 @@ use crate::plan::bound::proven;
 use crate::plan::classes::HomotopyClass;
 use crate::plan::classes::corridors::{corridors, corridors_of_gaps};
 use crate::plan::classes::free_space::Passing;
+use crate::plan::classes::overflights::overflight_lines;
 use crate::plan::classes::routes::HomotopyClasses;
 use crate::plan::route_context::{RouteContext, with_free_controls};
 use crate::plan::spline::Spline;
@@ -45,6 +47,8 @@ const CHEAPER: f64 = 0.02;
 const MAX_CONTROLS: usize = 400;
 /// The same where a layer over the ground is followed: there more seldom help.
 const MAX_IN_LAYER: usize = 200;
+/// Lines of each kind along which paths are drawn.
+const DRAWN_LINES: usize = 8;
 /// Classes with fits that are judged.
 const JUDGED_CLASSES: usize = 6;
 /// Evaluations times control points: decoding altitudes takes longer with more of these.
@@ -55,6 +59,8 @@ const NEARLY_CLEAN: f64 = 1.01;
 
 /// A path that costs less than this many times its bound is good enough.
 const FAR: f64 = 1.05;
+/// Evaluations of a small budget.
+const FEW: usize = 2000;
 /// Fewest evaluations of a route that is searched again because it is not.
 const MIN_BUDGET: usize = 10_000;
 /// A fit through corridors that costs less than this many times what was found is searched from,
@@ -72,8 +78,12 @@ pub(super) fn or_through_corridors(
     if !has_corridors(context) || stands(context, &first) {
         return (first, false);
     }
+    let first = from_fewer_starts(context, run, first);
+    if stands(context, &first) {
+        return (first, false);
+    }
     let spent = first.evaluations;
-    let drawn = drawn_taut(context).map(|drawn| Found {
+    let drawn = drawn_taut(context, f64::INFINITY).map(|drawn| Found {
         evaluations: spent,
         ..drawn
     });
@@ -89,10 +99,35 @@ pub(super) fn or_through_corridors(
     (through_all().or(drawn).unwrap_or(first), false)
 }
 
-/// The cheapest path drawn taut through free space in which every zone with a floor or a ceiling is open;
-/// where none keeps all limits, only those that the lowest path passes under, or only the others.
-fn drawn_taut(context: &RouteContext<'_>) -> Option<Found> {
+/// The better of what was found and of what a small budget finds: from fewer starts it may come to
+/// another valley.
+fn from_fewer_starts(context: &RouteContext<'_>, run: Run<'_>, first: Found) -> Found {
+    if run.budget <= FEW {
+        return first;
+    }
+    let fewer = search_classes(context, Run { budget: FEW, ..run });
+    let fewer = polished(context, fewer);
+    let evaluations = first.evaluations + fewer.evaluations;
+    let found = match fewer.by_limits(&first) {
+        Ordering::Less => fewer,
+        _ => first,
+    };
+    Found {
+        evaluations,
+        ..found
+    }
+}
+
+/// The cheapest path drawn taut along a line that is exact in the plane and costs less than `most`; where
+/// none keeps all limits, through free space in which every zone with a floor or a ceiling is open, or only
+/// those that the lowest path passes under, or only the others.
+fn drawn_taut(context: &RouteContext<'_>, most: f64) -> Option<Found> {
     let world = context.world;
+    let lines = match world.zones.is_empty() {
+        true => Vec::new(),
+        false => overflight_lines(context, DRAWN_LINES, most),
+    };
+    let mut best = along_lines(context, &lines);
     let has_lids = (world.zones.iter()).any(|zone| zone.is_open_below(world.max_amsl));
     let passings = [Passing::Any, Passing::Under, Passing::Over];
     let tried = if has_lids {
@@ -100,20 +135,23 @@ fn drawn_taut(context: &RouteContext<'_>) -> Option<Found> {
     } else {
         &passings[..1]
     };
-    let mut best: Option<Found> = None;
     for passing in tried {
-        let homotopy = corridors_of_gaps(context, *passing);
-        let drawn = homotopy.and_then(|homotopy| along_classes(context, &homotopy));
-        best = best.into_iter().chain(drawn).min_by(Found::by_limits);
         if best.as_ref().is_some_and(|best| best.strict.is_clean()) {
             break;
         }
+        let Some(homotopy) = corridors_of_gaps(context, *passing) else {
+            continue;
+        };
+        let classes = homotopy.classes.into_iter().take(DRAWN_LINES);
+        let lines: Vec<_> = classes.map(|class| class.line).collect();
+        let drawn = along_lines(context, &lines);
+        best = best.into_iter().chain(drawn).min_by(Found::by_limits);
     }
     best
 }
 
-/// What is found through corridors that the soft fields may have missed, where what was found alone
-/// costs far more than any path has to, and where that costs less.
+/// What a small budget finds, or what is drawn or found through corridors that the soft fields may have
+/// missed, where what was found alone costs far more than any path has to, and where that costs less.
 pub(super) fn nearer_to_bound(
     context: &RouteContext<'_>,
     run: Run<'_>,
@@ -131,17 +169,22 @@ pub(super) fn nearer_to_bound(
     {
         return None;
     }
-    let homotopy = corridors(context)?;
     let better = (1.0 - GAIN) * cost;
-    let budget = |controls| as_much_work(context.controls(), controls, run.budget);
-    let found = through(
-        (context, run),
-        (&homotopy, first.evaluations),
-        &(better..NEAR * cost),
-        budget,
-    )?;
-    let is_better = found.strict.is_clean() && found.strict.total() < better;
-    is_better.then_some(found)
+    let is_better = |found: &Found| found.strict.is_clean() && found.strict.total() < better;
+    let fewer = from_fewer_starts(context, run, first.clone());
+    let spent = fewer.evaluations;
+    let drawn = drawn_taut(context, better).map(|drawn| Found {
+        evaluations: spent,
+        ..drawn
+    });
+    let ways = [drawn, Some(fewer)].into_iter().flatten().filter(is_better);
+    ways.min_by(Found::by_limits).or_else(|| {
+        let homotopy = corridors(context)?;
+        let budget = |controls| as_much_work(context.controls(), controls, run.budget);
+        let costs = better..NEAR * cost;
+        let found = through((context, run), (&homotopy, spent), &costs, budget)?;
+        is_better(&found).then(|| polished(context, found))
+    })
 }
 
 /// Evaluations of paths with `controls` control points that take as long as `evaluations` of paths

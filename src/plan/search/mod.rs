@@ -124,14 +124,16 @@ pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
     }
     let first = search_classes(context, run);
     let (found, is_drawn) = corridor::or_through_corridors(context, run, first);
-    let found = overflight::polished_or_overflight(context, taut::taut(context, found));
+    let found = polished(context, found);
     if is_drawn {
         return found;
     }
-    match corridor::nearer_to_bound(context, run, &found) {
-        Some(nearer) => overflight::polished_or_overflight(context, taut::taut(context, nearer)),
-        None => found,
-    }
+    corridor::nearer_to_bound(context, run, &found).unwrap_or(found)
+}
+
+/// What was found drawn taut and polished, or a line over zones where that costs less.
+fn polished(context: &RouteContext<'_>, found: Found) -> Found {
+    overflight::polished_or_overflight(context, taut::taut(context, found))
 }
 
 /// Searches one route from the classes of the soft fields.

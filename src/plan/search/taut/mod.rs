@@ -16,7 +16,6 @@ use crate::cost::CostTerms;
 use crate::geodesy::EastNorth;
 use crate::numeric::as_f64;
 use crate::path::VehicleLimits;
-use crate::plan::classes::routes::HomotopyClasses;
 use crate::plan::classes::taut_line::taut_line;
 use crate::plan::route_context::RouteContext;
 use crate::spec::Airframe;
@@ -29,9 +28,7 @@ const SPANS: usize = 20;
 const FINE_M: f64 = 5.0;
 const MAX_PIECES: f64 = 4000.0;
 /// Most control points between the ends.
-const MAX_CONTROLS: usize = 300;
-/// Classes along which lines are drawn.
-const CLASSES: usize = 8;
+const MAX_CONTROLS: usize = 800;
 
 /// A found route, or one along the shortest line near it that keeps all limits and costs less.
 pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
@@ -54,25 +51,19 @@ pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
     }
 }
 
-/// The cheapest path along the lines of some classes, each drawn taut, that keeps all limits; where
-/// none does, one that keeps those that no other vehicle sets.
-pub(super) fn along_classes(
-    context: &RouteContext<'_>,
-    homotopy: &HomotopyClasses,
-) -> Option<Found> {
+/// The cheapest path along some lines, each drawn taut, that keeps all limits; where none does, one that
+/// keeps those that no other vehicle sets.
+pub(super) fn along_lines(context: &RouteContext<'_>, lines: &[Vec<EastNorth>]) -> Option<Found> {
     if context.vehicle().airframe != Airframe::Copter || !is_for_polish(context) {
         return None;
     }
-    let lines = homotopy
-        .classes
-        .par_iter()
-        .take(CLASSES)
-        .map(|class| finely(&class.line));
     let any_m = f64::INFINITY;
-    let drawn =
-        lines.filter_map(|line| drawn(context, &line, any_m, &CostTerms::keeps_static_limits));
-    let all: Vec<Found> = drawn.collect();
-    all.into_iter().min_by(Found::by_limits)
+    let along = |line: &Vec<EastNorth>| {
+        let is_good = &CostTerms::keeps_static_limits;
+        drawn(context, &finely(line), any_m, is_good)
+    };
+    let drawn: Vec<Found> = lines.par_iter().filter_map(along).collect();
+    drawn.into_iter().min_by(Found::by_limits)
 }
 
 /// A line with a point every few metres.
