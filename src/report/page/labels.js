@@ -123,7 +123,7 @@ function obstaclePlacer(frame, taken, isCrossed) {
       const [w, h] = [width * share, height * 1.2 * share];
       for (const [x, y] of aroundBox(box, w, h, height * 0.42)[where]) {
         const area = areaAt(x, y, w, h);
-        if ((where === "inside") !== holds(x, y) || isOther(x, y) || !isFree(area)) continue;
+        if ((where === "inside") !== holds(x, y) || !isFree(area) || isOther(x, y)) continue;
         taken.push(widened(area, height * 0.4));
         return { x, y, share, form };
       }
