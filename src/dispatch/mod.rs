@@ -274,9 +274,10 @@ fn dispatch_ordered(job: Job<'_>) -> Dispatched {
     timed_zones::with_times(job, dispatch_among_zones)
 }
 
-/// Dispatches a fleet among zones that are always closed: a crowd as a whole, and others so only
-/// where planning one after the other leaves vehicles too near. A large crowd for which no plan as
-/// a whole is found is not planned one by one: it ends with who is in whose way.
+/// Dispatches a fleet among zones that are always closed: a crowd as a whole, and others so only where
+/// planning one after the other leaves vehicles too near, or a small fleet much dearer than it has to
+/// be. A large crowd for which no plan as a whole is found is not planned one by one: it ends with who
+/// is in whose way.
 fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     if job.run.earlier.is_some() {
         return dispatch_in_rounds(job);
@@ -294,9 +295,14 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let one_by_one = with_fewer_freedoms(job);
     let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
     let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
-    let is_worth_it = !is_crowd && are_too_near && count <= crowd::MAX;
-    let together = || planned_together(job).filter(|found| found.review.passes());
-    is_worth_it.then(together).flatten().unwrap_or(one_by_one)
+    let is_small = !is_crowd && count <= crowd::MAX && !job.run.is_cancelled();
+    let is_dear = || job.run.is_nested && degrees_of_freedom::pays_much(&one_by_one);
+    if !is_small || !(are_too_near || is_dear()) {
+        return one_by_one;
+    }
+    let together = planned_together(job).filter(|found| found.review.passes());
+    let better = together.filter(|found| found.is_better_than(one_by_one.rank()));
+    better.unwrap_or(one_by_one)
 }
 
 /// Dispatches a fleet one by one, and so that none pays for others but for want of a better way: also

@@ -118,6 +118,20 @@ fn more_evaluations_among_towers_cost_no_more_than_few() {
     assert!(more <= few, "{more} {few}");
 }
 
+/// Two that meet in a gap: each gives way by half costs 1.6711 by hand, the second alone 1.754.
+#[test]
+fn two_that_meet_in_a_gap_share_the_detour() {
+    let cost = passing_cost_with("head-on-in-a-gap.yaml", 1000, 1);
+    assert!(cost < 1.6711, "{cost}");
+}
+
+/// Four that cross within 500 m: a roundabout costs 2.1438 by hand, one around the other 2.264.
+#[test]
+fn four_over_one_point_pass_it_on_the_same_side() {
+    let cost = passing_cost_with("four-over-one-point.yaml", 1000, 1);
+    assert!(cost < 2.1438, "{cost}");
+}
+
 /// Three vehicles of 5, 7 and 9 m/s, the fastest the last, in a corridor in which none can pass another:
 /// one has to lead aside before it. Alone they cost 12.39.
 #[test]
