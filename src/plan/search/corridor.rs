@@ -78,10 +78,6 @@ pub(super) fn or_through_corridors(
     if !has_corridors(context) || stands(context, &first) {
         return (first, false);
     }
-    let first = from_fewer_starts(context, run, first);
-    if stands(context, &first) {
-        return (first, false);
-    }
     let spent = first.evaluations;
     let drawn = drawn_taut(context, f64::INFINITY).map(|drawn| Found {
         evaluations: spent,
@@ -90,13 +86,17 @@ pub(super) fn or_through_corridors(
     if let Some(drawn) = drawn.as_ref().filter(|drawn| drawn.strict.is_clean()) {
         return (drawn.clone(), true);
     }
-    let through_all = || {
-        let homotopy = corridors(context)?;
-        let any = f64::INFINITY;
-        let from = (&homotopy, spent);
-        through((context, run), from, &(any..any), |_| run.budget)
+    let Some(homotopy) = corridors(context) else {
+        return (drawn.unwrap_or(first), false);
     };
-    (through_all().or(drawn).unwrap_or(first), false)
+    let any = f64::INFINITY;
+    let from = (&homotopy, spent);
+    let found = through((context, run), from, &(any..any), |_| run.budget);
+    let found = found.or(drawn).unwrap_or(first);
+    match stands(context, &found) {
+        true => (found, false),
+        false => (from_fewer_starts(context, run, found), false),
+    }
 }
 
 /// The better of what was found and of what a small budget finds: from fewer starts it may come to

@@ -226,8 +226,10 @@ fn a_corridor_one_vehicle_wide_is_flown_through_by_one_after_the_other() {
     let meeting = Meeting::of("corridor");
     meeting.would_conflict();
     meeting.first_has_its_way();
+    // The corridor is 66 m wide: two that keep 50 m apart would pass in it.
     let unable = Meeting::changed("corridor", |spec| {
         spec.vehicles[1].retiming = Retiming::default();
+        spec.separation.distance_m = 70.0;
     });
     unable.would_conflict();
     let waits_s = meeting.together.plan.vehicles[1].depart_s;
