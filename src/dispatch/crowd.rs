@@ -1,5 +1,7 @@
-//! Which fleets are planned as a whole: those in which nearly everybody meets everybody.
+//! Which fleets are planned as a whole: those in which nearly everybody meets everybody, and small ones
+//! that pay much for priority order.
 
+use super::Dispatched;
 use crate::geodesy::PlanPoint;
 use crate::path::route_ends;
 use crate::spec::{MissionSpec, Objective, Vehicle};
@@ -14,6 +16,8 @@ pub(super) const MAX: usize = 60;
 pub(super) const MAX_ONE_BY_ONE: usize = 14;
 /// Others that each vehicle of a crowd meets, on average.
 const MET: usize = 5;
+/// A fleet whose plan costs more than this many times its bound pays much.
+const PAID: f64 = 1.01;
 
 /// A straight flight at constant speed, from one time on.
 struct Straight {
@@ -41,6 +45,16 @@ pub(super) fn is_crowd(spec: &MissionSpec, world: &World) -> bool {
     let met = (0..count).flat_map(|first| (first + 1..count).map(move |other| (first, other)));
     let met = met.filter(|&(a, b)| meets(&flights[a], &flights[b]));
     2 * met.count() >= MET * count
+}
+
+/// Whether a small fleet keeps all limits, but by detours around each other that cost much.
+pub(super) fn pays_much(found: &Dispatched) -> bool {
+    let plan = &found.plan;
+    let gives_way = || plan.vehicles.iter().any(|plan| !plan.avoids.is_empty());
+    (2..=MAX_ONE_BY_ONE).contains(&plan.vehicles.len())
+        && found.review.passes()
+        && gives_way()
+        && plan.cost() > PAID * plan.bound()
 }
 
 fn straight(vehicle: &Vehicle, ends: Vec<(PlanPoint, PlanPoint)>) -> Vec<Straight> {

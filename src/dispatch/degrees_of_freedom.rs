@@ -1,6 +1,6 @@
 //! What a spec leaves open must not make a fleet dearer: it is planned without each freedom too.
 
-use super::{Dispatched, crowd};
+use super::Dispatched;
 use crate::spec::{MissionSpec, Vehicle};
 
 /// A freedom: departures, speeds, or keeping apart in height.
@@ -42,19 +42,4 @@ pub(super) fn nobody_pays(spec: &MissionSpec, found: &Dispatched) -> bool {
     let mut fleet = spec.vehicles.iter().zip(&found.plan.vehicles);
     found.review.passes()
         && fleet.all(|(vehicle, plan)| vehicle.retiming.is_open() && plan.plans == 1)
-}
-
-/// A fleet that costs more than this many times its bound pays much.
-const PAID: f64 = 1.01;
-
-/// Whether a small fleet keeps all limits by detours that another plan may do without.
-pub(super) fn pays_much(found: &Dispatched) -> bool {
-    let plan = &found.plan;
-    (2..=crowd::MAX_ONE_BY_ONE).contains(&plan.vehicles.len())
-        && found.review.passes()
-        && plan
-            .vehicles
-            .iter()
-            .any(|vehicle| !vehicle.avoids.is_empty())
-        && plan.cost() > PAID * plan.bound()
 }

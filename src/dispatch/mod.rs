@@ -295,9 +295,9 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let one_by_one = with_fewer_freedoms(job);
     let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
     let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
-    let is_small = !is_crowd && count <= crowd::MAX && !job.run.is_cancelled();
-    let is_dear = || job.run.is_nested && degrees_of_freedom::pays_much(&one_by_one);
-    if !is_small || !(are_too_near || is_dear()) {
+    let is_possible = !is_crowd && count <= crowd::MAX && !job.run.is_cancelled();
+    let is_dear = || job.run.is_nested && crowd::pays_much(&one_by_one);
+    if !is_possible || !(are_too_near || is_dear()) {
         return one_by_one;
     }
     let together = planned_together(job).filter(|found| found.review.passes());

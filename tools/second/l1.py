@@ -17,6 +17,7 @@ SINE_45 = math.sqrt(0.5)
 
 
 def within(value, limit):
+    """The nearest value between -limit and limit."""
     return -limit if value < -limit else limit if value > limit else value
 
 
@@ -48,7 +49,8 @@ class Leg:
         return abs((onto.course - self.course + math.pi) % (2 * math.pi) - math.pi)
 
 
-def ahead(state, time, rates):
+def moved(state, time, rates):
+    """The state after a time at constant rates."""
     x, y, heading, bank, integral = state
     dx, dy, turning, rolling, gathering = rates
     return x + time * dx, y + time * dy, heading + time * turning, bank + time * rolling, integral + time * gathering
@@ -151,8 +153,8 @@ class Law:
                 continue
             if since is None and i >= first:
                 since, aside, steps = (state[0], state[1]), 0.0, 0
-            middle = ahead(state, STEP_S / 2, self.rates(state, leg, airs[i], blows))
-            state = ahead(state, STEP_S, self.rates(middle, leg, airs[i], blows))
+            middle = moved(state, STEP_S / 2, self.rates(state, leg, airs[i], blows))
+            state = moved(state, STEP_S, self.rates(middle, leg, airs[i], blows))
             t += STEP_S
             if since is not None:
                 steps += 1

@@ -27,14 +27,13 @@ fn describe_one(
     terrain: &Terrain,
     limits: &Limits,
 ) {
-    let Some(wing) = vehicle.wing.as_mut() else {
+    let Some(mut wing) = vehicle.wing else {
         return;
     };
     wing.ceiling = Amsl(limits.max_amsl.unwrap_or_else(|| top_m(mission, terrain)));
-    let fastest_mps = vehicle.fastest_mps();
-    if let Some(wing) = vehicle.wing.as_mut() {
-        wing.loiter_radius_m = turn_radius_by_load_m(fastest_mps, vehicle.max_load_factor).ceil();
-    }
+    let fastest_mps = vehicle.fastest_at_mps(vehicle.speed_mps, wing.ceiling);
+    wing.loiter_radius_m = turn_radius_by_load_m(fastest_mps, vehicle.max_load_factor).ceil();
+    vehicle.wing = Some(wing);
     if vehicle.airframe == Airframe::Plane
         && let Some(rates) = Rates::of(&vehicle.id, mission)
     {

@@ -6,7 +6,7 @@ use crate::mission::{AcceptanceProblem, Item, ParamFence, above_home_m, command}
 use crate::verify::Moment;
 use crate::verify::measure::segment::{Phase, Segment};
 
-/// A wing is level that is lower than its last place by no more, metres.
+/// A wing that is lower than its last place by no more is at its altitude, metres.
 const LEVEL_M: f64 = 0.01;
 
 impl MissionCheck<'_> {
