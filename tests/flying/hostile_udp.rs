@@ -113,6 +113,8 @@ struct Peer {
     listens: Option<SocketAddr>,
     truth: Arc<Mutex<Truth>>,
     number: u32,
+    /// Of its positions; every tenth comes with an impossible one.
+    positions: u32,
     encoders: BTreeMap<Address, Encoder>,
 }
 
@@ -158,6 +160,8 @@ impl Peer {
             return Vec::new();
         }
         self.number += 1;
+        let is_position = matches!(message, Message::Flight(FlightMessage::Position(_)));
+        self.positions += u32::from(is_position);
         let mut all = self.forged(&message);
         all.extend(self.injured(&message, t_s, is_armed));
         let changed = match message {
@@ -206,7 +210,7 @@ impl Peer {
         if let Message::Flight(FlightMessage::Position(position)) = message {
             let at = |x| Message::Flight(FlightMessage::Position(Position { x, ..*position }));
             all.push((companion, at(position.x + 50_000)));
-            if self.number.is_multiple_of(51) {
+            if self.positions.is_multiple_of(10) {
                 all.push((self.autopilot, at(900_000_001)));
             }
         }
@@ -371,6 +375,7 @@ fn peers(vehicles: &[Running], truth: &Arc<Mutex<Truth>>) -> (Peers, Vec<String>
             listens,
             truth: Arc::clone(truth),
             number: 0,
+            positions: 0,
             encoders: BTreeMap::new(),
         };
         let stop = Arc::clone(&stop);
