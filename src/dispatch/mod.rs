@@ -6,6 +6,7 @@ mod crowd;
 mod deconfliction;
 mod degrees_of_freedom;
 mod remaining;
+mod rests;
 mod rounds;
 mod tighten;
 mod timed_zones;
@@ -45,6 +46,8 @@ pub struct Dispatched {
     /// The stops of each vehicle with the waits of its departure, where that is later than its tasks
     /// were assigned for.
     delayed: Option<Vec<Vec<Stop>>>,
+    /// The spec and world with the rests where vehicles have no space to turn, if there are any.
+    with_rests: Option<Box<(MissionSpec, World)>>,
 }
 
 /// The stage of a dispatch, for progress reports.
@@ -149,10 +152,14 @@ fn with_orders(
         // The spec that is flown has its stops in order, and more of them.
         return done;
     }
+    // With rests it has, too.
+    let is_in_order = done.with_rests.is_some();
     for (plan, found) in done.plan.vehicles.iter_mut().zip(orders) {
         if !found.order.is_empty() {
             plan.set_bound(found.bound);
-            plan.order.clone_from(&found.order);
+            if !is_in_order {
+                plan.order.clone_from(&found.order);
+            }
         }
     }
     done
@@ -271,7 +278,8 @@ fn missed_windows(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
 
 /// Dispatches a fleet whose stops are those that it makes, in their order.
 fn dispatch_ordered(job: Job<'_>) -> Dispatched {
-    timed_zones::with_times(job, dispatch_among_zones)
+    let dispatch = |job: Job<'_>| timed_zones::with_times(job, dispatch_among_zones);
+    rests::or_with_rests(job, dispatch)
 }
 
 /// Dispatches a fleet among zones that are always closed: a crowd as a whole, and others so only where
@@ -394,6 +402,7 @@ fn judged(
         rounds: round,
         tasks: None,
         delayed: None,
+        with_rests: None,
     }
 }
 
@@ -430,16 +439,18 @@ impl Dispatched {
     }
 
     /// The spec and world that the plan is of: those given, or with tasks those whose vehicles
-    /// have a stop for each task that they do.
+    /// have a stop for each task that they do, or those whose vehicles have a stop wherever they rest because
+    /// they have no space to turn.
     #[must_use]
     pub fn planned_spec<'a>(
         &'a self,
         spec: &'a MissionSpec,
         world: &'a World,
     ) -> (&'a MissionSpec, &'a World) {
-        match &self.tasks {
-            Some(tasks) => (&tasks.spec, &tasks.world),
-            None => (spec, world),
+        match (&self.tasks, &self.with_rests) {
+            (Some(tasks), _) => (&tasks.spec, &tasks.world),
+            (None, Some(rests)) => (&rests.0, &rests.1),
+            (None, None) => (spec, world),
         }
     }
 }

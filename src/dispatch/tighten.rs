@@ -47,7 +47,7 @@ const MIN_MORE_M: f64 = 0.25;
 /// tolerance.
 const GROWTH: f64 = 2.0;
 /// How much further from its limits a path is moved that needs too many items.
-const FURTHER: f64 = 3.0;
+const FURTHER: f64 = 2.0;
 /// Least step of a margin that is a fraction.
 const MIN_FRACTION: f64 = 0.02;
 /// Greatest sum of the steps of the slope fraction.

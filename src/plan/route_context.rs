@@ -66,6 +66,20 @@ impl<'a> RouteContext<'a> {
         (self.cancel).is_some_and(|cancel| cancel.load(Ordering::Relaxed))
     }
 
+    /// The same without a margin to what is closed in the plane, over and under zones from edge to edge: for lines that
+    /// are exact.
+    pub(crate) fn as_exact(&self) -> Self {
+        Self {
+            margins: Margins {
+                threat_m: 0.0,
+                ..self.margins
+            },
+            extra: &[],
+            at_edges: true,
+            ..*self
+        }
+    }
+
     /// The vehicle that flies it.
     pub(crate) fn vehicle(&self) -> &'a Vehicle {
         &self.spec.vehicles[self.index]

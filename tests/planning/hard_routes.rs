@@ -119,6 +119,28 @@ fn more_evaluations_among_towers_cost_no_more_than_few() {
 }
 
 /// Two that meet in a gap: each gives way by half costs 1.6711 by hand, the second alone 1.754.
+/// Streets between irregular blocks: turns that are wide enough everywhere lead 2.14 km around them; with a rest at each
+/// corner a line through them is 1.52 km long.
+#[test]
+fn narrow_streets_between_irregular_blocks_are_flown_through() {
+    let cost = passing_cost_with("crooked-streets.yaml", 10_000, 1);
+    assert!(cost > 1.403 && cost < 1.58, "{cost}");
+}
+
+/// A tube of 40 m with buffers of 10 m: a start in it leaves 0.1 m more than that, and at its mouth the copter turns.
+#[test]
+fn a_start_in_a_tube_that_is_just_wide_enough_leads_out_of_it() {
+    let cost = passing_cost("tube.yaml");
+    assert!(cost > 0.795 && cost < 0.80, "{cost}");
+}
+
+/// Ways that keep to the middle of its corridors cost 1.257; with rests at each corner it is 1.233.
+#[test]
+fn a_narrow_maze_is_flown_with_turns_that_are_mended_one_by_one() {
+    let cost = passing_cost_with("narrow-maze.yaml", 10_000, 1);
+    assert!(cost > 1.2 && cost < 1.245, "{cost}");
+}
+
 #[test]
 fn two_that_meet_in_a_gap_share_the_detour() {
     let cost = passing_cost_with("head-on-in-a-gap.yaml", 1000, 1);

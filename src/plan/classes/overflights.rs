@@ -28,7 +28,7 @@ const GOAL: usize = 1;
 const MAX_NODES: [usize; 2] = [1000, 260];
 const FEW_VEHICLES: usize = 10;
 /// Lines pass corners at this distance, metres.
-const AWAY_M: f64 = 1.0;
+pub(crate) const AWAY_M: f64 = 1.0;
 /// Corners of a threat.
 const THREAT_CORNERS: u32 = 8;
 /// Costs above that of the cheapest line that are worth a look, as a factor.
@@ -85,18 +85,19 @@ pub(crate) fn has_overflights(context: &RouteContext<'_>) -> bool {
     })
 }
 
-/// The cheapest line of each kind that costs less than `most`, at most `count`, cheapest first.
+/// The cheapest line of each kind that costs less than `most`, at most `count`, cheapest first, at a
+/// distance from corners.
 pub(crate) fn overflight_lines(
     context: &RouteContext<'_>,
     count: usize,
-    most: f64,
+    (most, away_m): (f64, f64),
 ) -> Vec<Vec<EastNorth>> {
-    Graph::new(context, most).lines(count)
+    Graph::new(context, (most, away_m)).lines(count)
 }
 
 impl<'a> Graph<'a> {
     /// Of lines that cost less than `most`.
-    fn new(context: &'a RouteContext<'a>, most: f64) -> Self {
+    fn new(context: &'a RouteContext<'a>, (most, away_m): (f64, f64)) -> Self {
         let (margin_m, max_amsl) = (context.margins.threat_m, context.world.max_amsl);
         let closure = |(index, zone): (u64, &'a PlanZone)| Closure {
             zone,
@@ -105,7 +106,7 @@ impl<'a> Graph<'a> {
             is_closed: !zone.is_open_below(max_amsl),
         };
         let zones: Vec<Closure<'a>> = (0..).zip(&context.world.zones).map(closure).collect();
-        let nodes = nodes(context, &zones, most);
+        let nodes = nodes(context, &zones, (most, away_m));
         let is_in = |node: &Point| zones.iter().any(|closure| closure.ring.contains(*node));
         let limits = VehicleLimits::of(context.vehicle());
         let high = Amsl(context.ends.from.amsl.0.max(context.ends.to.amsl.0));
@@ -252,7 +253,11 @@ impl Tree {
 
 /// Start, goal and the corners that a line of less than `most` may pass: of more than are allowed
 /// those that are least far around.
-fn nodes(context: &RouteContext<'_>, zones: &[Closure<'_>], most: f64) -> Vec<Point> {
+fn nodes(
+    context: &RouteContext<'_>,
+    zones: &[Closure<'_>],
+    (most, away_m): (f64, f64),
+) -> Vec<Point> {
     let (start, goal) = context.ends_at();
     let ends = [point(start), point(goal)];
     let length = context.prices().length;
@@ -262,7 +267,7 @@ fn nodes(context: &RouteContext<'_>, zones: &[Closure<'_>], most: f64) -> Vec<Po
         let mut closed = zones.iter().filter(|closure| closure.is_closed);
         !closed.any(|closure| closure.ring.contains(*node))
     };
-    let mut corners = corners(context, zones);
+    let mut corners = corners(context, zones, away_m);
     corners.retain(|node| {
         length * around_m(node) / 1000.0 < most && area.contains(*node) && is_open(node)
     });
@@ -276,14 +281,14 @@ fn nodes(context: &RouteContext<'_>, zones: &[Closure<'_>], most: f64) -> Vec<Po
 }
 
 /// Corners of zones and threats, a little away from them.
-fn corners(context: &RouteContext<'_>, zones: &[Closure<'_>]) -> Vec<Point> {
+fn corners(context: &RouteContext<'_>, zones: &[Closure<'_>], away_m: f64) -> Vec<Point> {
     let mut corners: Vec<Point> = Vec::new();
     for closure in zones {
-        corners.extend(closure.ring.outset(AWAY_M).corners());
+        corners.extend(closure.ring.outset(away_m).corners());
     }
     let half_rad = PI / f64::from(THREAT_CORNERS);
     for threat in &context.world.threats {
-        let radius_m = (threat.radius_m + context.margins.threat_m + AWAY_M) / half_rad.cos();
+        let radius_m = (threat.radius_m + context.margins.threat_m + away_m) / half_rad.cos();
         let [east_m, north_m] = point(threat.center);
         corners.extend((0..THREAT_CORNERS).map(|corner| {
             let (sin, cos) = (2.0 * half_rad * f64::from(corner)).sin_cos();

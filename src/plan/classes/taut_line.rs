@@ -14,20 +14,23 @@ use crate::world::PlanZone;
 /// Corners further from the path are not passed, in turn radii, and at least in metres.
 const NEAR_RADII: f64 = 4.0;
 const NEAR_M: f64 = 100.0;
-/// Shares of that, the next where there are too many corners.
-const NEARER: [f64; 3] = [1.0, 0.5, 0.25];
+/// Shares of that, and corners of a whole turn around the corner of a zone with a buffer: the next where there are too
+/// many corners.
+const NEARER: [(f64, f64); 4] = [(1.0, 24.0), (0.5, 24.0), (0.25, 24.0), (0.25, 8.0)];
 /// Most corners: edges between more of them take too long.
 const MAX_CORNERS: usize = 1200;
 /// How far back along the path a line may lead, metres: around one bend of it.
 const BACK_M: f64 = 25.0;
 /// Lines pass corners at this distance, metres.
 const AWAY_M: f64 = 0.02;
-/// Corners of a threat, and those of a whole turn around the corner of a zone with a buffer.
+/// Sine of the angle of two lines below which they do not meet.
+const MIN_SINE: f64 = 0.1;
+/// Corners of a threat.
 const THREAT_CORNERS: f64 = 96.0;
-const ROUND_CORNERS: f64 = 24.0;
 
 /// What is closed in the plane, margins included.
 struct Closed {
+    area: Ring,
     zones: Vec<Offset>,
     threats: Vec<(Point, f64)>,
 }
@@ -56,29 +59,100 @@ pub(crate) fn taut_line(
     path: &[EastNorth],
     radius_m: f64,
 ) -> Option<Vec<Bend>> {
+    let (line, _) = shortest_near(context, path, radius_m)?;
+    let bend = |corner: Corner| Bend {
+        at: east_north(corner.at),
+        around: (east_north(corner.around.0), corner.around.1),
+    };
+    Some(line.into_iter().map(bend).collect())
+}
+
+/// The same as the places at which it bends, ends included: around one circle as few as there is space for.
+pub(crate) fn cornered_line(
+    context: &RouteContext<'_>,
+    path: &[EastNorth],
+    radius_m: f64,
+) -> Option<Vec<EastNorth>> {
+    let (line, closed) = shortest_near(context, path, radius_m)?;
+    let turns: Vec<&[Corner]> = line.chunk_by(Corner::is_around_same).collect();
+    let mut all: Vec<Point> = Vec::new();
+    for (index, turn) in turns.iter().enumerate() {
+        let after = turns.get(index + 1).map(|turn| turn[0].at);
+        let shorter = all.last().zip(after).and_then(|(&before, after)| {
+            let is_free = |corners: &Vec<Point>| {
+                let whole = [&[before], &corners[..], &[after]].concat();
+                !corners.iter().any(|&corner| closed.holds(corner))
+                    && (whole.windows(2)).all(|leg| closed.is_free(leg[0], leg[1]))
+            };
+            fewer_corners((before, after), turn)
+                .into_iter()
+                .find(is_free)
+        });
+        all.extend(shorter.unwrap_or_else(|| turn.iter().map(|corner| corner.at).collect()));
+    }
+    Some(all.into_iter().map(east_north).collect())
+}
+
+/// The shortest line along a path, and what is closed there.
+fn shortest_near(
+    context: &RouteContext<'_>,
+    path: &[EastNorth],
+    radius_m: f64,
+) -> Option<(Vec<Corner>, Closed)> {
     let path: Vec<Point> = path.iter().map(|&at| plane(at)).collect();
     let (&first, &last) = (path.first()?, path.last()?);
-    let nears = NEARER.map(|share| share * (NEAR_RADII * radius_m).max(NEAR_M));
-    let (closed, mut nodes) = (nears.iter())
-        .map(|near_m| corners_near(context, &path, *near_m))
+    let near_m = (NEAR_RADII * radius_m).max(NEAR_M);
+    let (closed, mut nodes) = (NEARER.iter())
+        .map(|(share, round)| corners_near(context, &path, (share * near_m, *round)))
         .find(|(_, nodes)| nodes.len() <= MAX_CORNERS)?;
     nodes.insert(0, Corner::place(first));
     nodes.push(Corner {
         along_m: f64::INFINITY,
         ..Corner::place(last)
     });
-    let line = shortest(&nodes, &closed)?;
-    let at = |[east_m, north_m]: Point| EastNorth { east_m, north_m };
-    let bend = |corner: Corner| Bend {
-        at: at(corner.at),
-        around: (at(corner.around.0), corner.around.1),
+    Some((shortest(&nodes, &closed)?, closed))
+}
+
+/// Where tangents of a turn around a circle meet, those before and behind it first, then these and one between them;
+/// none where the line does not turn around it more than once.
+fn fewer_corners((before, after): (Point, Point), turn: &[Corner]) -> Vec<Vec<Point>> {
+    let &[first, .., last] = turn else {
+        return Vec::new();
     };
-    Some(line.into_iter().map(bend).collect())
+    let middle = turn[turn.len() / 2];
+    let into = (first.at, minus(first.at, before));
+    let out = (last.at, minus(after, last.at));
+    let away = minus(middle.at, middle.around.0);
+    let between = (middle.at, [-away[1], away[0]]);
+    let one = meet(into, out).into_iter().collect();
+    let two = meet(into, between).into_iter().chain(meet(between, out));
+    vec![one, two.collect()]
+}
+
+/// Where two lines meet, each a place and a direction; none where they are nearly parallel.
+fn meet((a, along): (Point, Point), (b, other): (Point, Point)) -> Option<Point> {
+    let cross = |a: Point, b: Point| a[0] * b[1] - a[1] * b[0];
+    let between = cross(along, other);
+    let is_steep = between.abs() > MIN_SINE * along[0].hypot(along[1]) * other[0].hypot(other[1]);
+    let share = cross(minus(b, a), other) / between;
+    (is_steep && share > 0.0).then(|| [a[0] + share * along[0], a[1] + share * along[1]])
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn east_north([east_m, north_m]: Point) -> EastNorth {
+    EastNorth { east_m, north_m }
 }
 
 /// What is closed along a path, and its corners near the path, in order along it.
-fn corners_near(context: &RouteContext<'_>, path: &[Point], near_m: f64) -> (Closed, Vec<Corner>) {
-    let (closed, corners) = Closed::along(context, path, near_m);
+fn corners_near(
+    context: &RouteContext<'_>,
+    path: &[Point],
+    (near_m, round): (f64, f64),
+) -> (Closed, Vec<Corner>) {
+    let (closed, corners) = Closed::along(context, path, (near_m, round));
     let mut gone_m = vec![0.0];
     for pair in path.windows(2) {
         gone_m.push(gone_m[gone_m.len() - 1] + distance(pair[0], pair[1]));
@@ -139,6 +213,11 @@ fn nearest(path: &[Point], at: Point, near_m: f64) -> Option<usize> {
 }
 
 impl Corner {
+    /// Whether both are of one turn.
+    fn is_around_same(&self, other: &Self) -> bool {
+        self.around.1 > 0.0 && self.around == other.around
+    }
+
     /// A corner that stands for no circle, anywhere along the path.
     fn place(at: Point) -> Self {
         Self {
@@ -151,11 +230,16 @@ impl Corner {
 
 impl Closed {
     /// What is closed along a path, and its corners.
-    fn along(context: &RouteContext<'_>, path: &[Point], near_m: f64) -> (Self, Vec<Corner>) {
+    fn along(
+        context: &RouteContext<'_>,
+        path: &[Point],
+        (near_m, round): (f64, f64),
+    ) -> (Self, Vec<Corner>) {
         let (world, margin_m) = (context.world, context.margins.threat_m);
         let ends = [context.ends.from.at, context.ends.to.at].map(plane);
         let (low, high) = bounds(path, near_m);
         let mut closed = Self {
+            area: Ring::around(&world.area),
             zones: Vec::new(),
             threats: Vec::new(),
         };
@@ -170,7 +254,7 @@ impl Closed {
                         .any(|&at| !offset.is_far_from(at, at) && offset.contains(at))
             };
             if !offset.is_far_from(low, high) && !is_crossed() {
-                corners.extend(corners_of(zone, ends, margin_m));
+                corners.extend(corners_of(zone, ends, (margin_m, round)));
                 closed.zones.push(offset);
             }
         }
@@ -185,10 +269,14 @@ impl Closed {
         (closed, corners)
     }
 
+    /// Whether a place is closed, or outside of the area, which is a rectangle: a straight piece between places in it is in
+    /// it.
     fn holds(&self, at: Point) -> bool {
         let in_threat = |&(center, radius_m): &(Point, f64)| distance(at, center) < radius_m;
         let in_zone = |zone: &Offset| !zone.is_far_from(at, at) && zone.contains(at);
-        self.threats.iter().any(in_threat) || self.zones.iter().any(in_zone)
+        !self.area.contains(at)
+            || self.threats.iter().any(in_threat)
+            || self.zones.iter().any(in_zone)
     }
 
     /// Whether a straight piece crosses nothing closed.
@@ -206,7 +294,11 @@ impl Closed {
 }
 
 /// Corners of what a zone closes.
-fn corners_of(zone: &PlanZone, ends: [Point; 2], margin_m: f64) -> Vec<Corner> {
+fn corners_of(
+    zone: &PlanZone,
+    ends: [Point; 2],
+    (margin_m, round_corners): (f64, f64),
+) -> Vec<Corner> {
     let ring = Ring::around(&zone.outline);
     let room_m =
         (ends.iter().map(|end| ring.boundary_distance(*end))).fold(f64::INFINITY, f64::min);
@@ -232,7 +324,7 @@ fn corners_of(zone: &PlanZone, ends: [Point; 2], margin_m: f64) -> Vec<Corner> {
         if turn_rad > 0.0 {
             // Counter-clockwise: outside is to the right.
             let from_rad = into_rad - 0.5 * PI;
-            round.extend(around(at, radius_m, (from_rad, turn_rad), ROUND_CORNERS));
+            round.extend(around(at, radius_m, (from_rad, turn_rad), round_corners));
         }
     }
     round

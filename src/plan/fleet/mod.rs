@@ -31,6 +31,7 @@ pub(super) mod pairs;
 pub(super) mod passing;
 pub(super) mod prioritised;
 pub(super) mod repair;
+pub(super) mod rests;
 pub(super) mod retiming;
 pub(super) mod shapes;
 pub(super) mod vehicle;

@@ -195,6 +195,7 @@ fn unsearched(context: &RouteContext<'_>, arrival: Arrival) -> Option<Found> {
     match arrival {
         Arrival::Planned => None,
         Arrival::Straight => Some(straight(context)).filter(|found| found.strict.is_clean()),
+        Arrival::Exact => Some(straight(&context.as_exact())),
         Arrival::OnLine(_) => Some(straight(context)),
     }
 }

@@ -23,11 +23,12 @@ use crate::plan::bound::proven;
 use crate::plan::classes::HomotopyClass;
 use crate::plan::classes::corridors::{corridors, corridors_of_gaps};
 use crate::plan::classes::free_space::Passing;
-use crate::plan::classes::overflights::overflight_lines;
+use crate::plan::classes::overflights::{AWAY_M, overflight_lines};
 use crate::plan::classes::routes::HomotopyClasses;
 use crate::plan::route_context::{RouteContext, with_free_controls};
 use crate::plan::spline::Spline;
 use crate::spec::{Algorithm, Objective};
+use crate::world::World;
 
 /// Control points for each corner of a corridor.
 const PER_CORNER: usize = 2;
@@ -125,21 +126,14 @@ fn drawn_taut(context: &RouteContext<'_>, most: f64) -> Option<Found> {
     let world = context.world;
     let lines = match world.zones.is_empty() {
         true => Vec::new(),
-        false => overflight_lines(context, DRAWN_LINES, most),
+        false => overflight_lines(context, DRAWN_LINES, (most, AWAY_M)),
     };
     let mut best = along_lines(context, &lines);
-    let has_lids = (world.zones.iter()).any(|zone| zone.is_open_below(world.max_amsl));
-    let passings = [Passing::Any, Passing::Under, Passing::Over];
-    let tried = if has_lids {
-        &passings[..]
-    } else {
-        &passings[..1]
-    };
-    for passing in tried {
+    for passing in passings(world) {
         if best.as_ref().is_some_and(|best| best.strict.is_clean()) {
             break;
         }
-        let Some(homotopy) = corridors_of_gaps(context, *passing) else {
+        let Some(homotopy) = corridors_of_gaps(context, passing) else {
             continue;
         };
         let classes = homotopy.classes.into_iter().take(DRAWN_LINES);
@@ -148,6 +142,14 @@ fn drawn_taut(context: &RouteContext<'_>, most: f64) -> Option<Found> {
         best = best.into_iter().chain(drawn).min_by(Found::by_limits);
     }
     best
+}
+
+/// Which zones with a floor or a ceiling lines through free space pass: all, those that the lowest path passes under,
+/// and the others.
+pub(super) fn passings(world: &World) -> impl Iterator<Item = Passing> {
+    let has_lids = (world.zones.iter()).any(|zone| zone.is_open_below(world.max_amsl));
+    let all = [Passing::Any, Passing::Under, Passing::Over];
+    all.into_iter().take(if has_lids { 3 } else { 1 })
 }
 
 /// What a small budget finds, or what is drawn or found through corridors that the soft fields may have

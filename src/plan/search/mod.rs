@@ -8,6 +8,7 @@ mod overflight;
 pub(super) mod polish;
 pub(super) mod problem;
 pub(super) mod published;
+pub(super) mod rests;
 pub(super) mod seeds;
 mod taut;
 pub(super) mod tighten;
@@ -25,7 +26,7 @@ use super::classes::routes::{HomotopyClasses, homotopy_classes};
 use super::route_context::{RouteContext, with_free_controls};
 use super::spline::Spline;
 use crate::cost::{Batch, CostTerms, EarlierFlights, Margins};
-use crate::geodesy::EastNorth;
+use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::Seed;
 use crate::optimize::{
     Algorithm, Candidate, Evaluator, MIN_RELAXED_BUDGET, MsfoaParameters, SearchSeed, SearchSeeds,
@@ -429,6 +430,21 @@ fn judged(context: &RouteContext<'_>, splines: &[Spline], margins: Margins) -> V
 pub(super) fn lifted(context: &RouteContext<'_>, outline: &[EastNorth]) -> Option<Found> {
     let found = along(context, outline);
     (found.strict.is_clean()).then(|| polish::polished_as_is(context, found))
+}
+
+/// A planned route, given by its control points, judged anew.
+pub(super) fn judged_route(context: &RouteContext<'_>, points: &[PlanPoint]) -> Found {
+    let spec = with_free_controls(context.spec, points.len().saturating_sub(2));
+    let context = &RouteContext {
+        spec: &spec,
+        ..*context
+    };
+    let spline = Spline {
+        east_m: points.iter().map(|point| point.at.east_m).collect(),
+        north_m: points.iter().map(|point| point.at.north_m).collect(),
+        amsl_m: points.iter().map(|point| point.amsl.0).collect(),
+    };
+    judge(context, vec![spline])
 }
 
 /// The straight route between the ends at the altitudes that its margins ask for, whatever limits

@@ -12,7 +12,7 @@ use super::fit::Line;
 use super::{Found, along, polish};
 use crate::geodesy::EastNorth;
 use crate::path::VehicleLimits;
-use crate::plan::classes::overflights::{has_overflights, overflight_lines};
+use crate::plan::classes::overflights::{AWAY_M, has_overflights, overflight_lines};
 use crate::plan::route_context::{RouteContext, with_free_controls};
 use crate::spec::{Algorithm, Objective};
 
@@ -80,7 +80,7 @@ pub(super) fn polished_or_overflight(context: &RouteContext<'_>, found: Found) -
 fn splines(context: &RouteContext<'_>, most: f64) -> Vec<Found> {
     let limits = VehicleLimits::of(context.vehicle());
     let radius_m = limits.turn_radius_m * (1.0 + context.margins.turn_fraction);
-    let lines = overflight_lines(context, LINES, most).into_par_iter();
+    let lines = overflight_lines(context, LINES, (most, AWAY_M)).into_par_iter();
     lines
         .map(|line| along(context, &controls(&line, radius_m)))
         .collect()

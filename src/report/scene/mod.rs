@@ -346,7 +346,8 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         goal: fixed(|sites| sites.goal),
         stops: sites.map_or_else(Vec::new, |sites| {
             let stops = vehicle.stops.iter().zip(&sites.stops);
-            let visited = stops.filter(|(stop, _)| !matches!(stop.arrives, Arrival::OnLine(_)));
+            let visited = stops
+                .filter(|(stop, _)| !matches!(stop.arrives, Arrival::OnLine(_) | Arrival::Exact));
             let shape = |(stop, at): (&Stop, &PlanPoint)| StopShape {
                 at: point(*at),
                 text: words::stop(vehicle, stop),

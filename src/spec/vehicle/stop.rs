@@ -69,6 +69,9 @@ pub enum Arrival {
     Straight,
     /// On a line over the ground, at least this high above it.
     OnLine(Agl),
+    /// Straight, as near to what is closed as its ends are; so is the route from there on. The vehicle rests there
+    /// because it has no space to turn.
+    Exact,
 }
 
 impl Stop {
@@ -210,7 +213,14 @@ impl Vehicle {
     #[must_use]
     pub fn arrivals(&self, routes: usize) -> Vec<Arrival> {
         let arrival = |route: usize| self.stops.get(route).map(|stop| stop.arrives);
-        let each = (0..routes).map(|route| arrival(route).unwrap_or_default());
+        let follows_rest = |route: usize| {
+            let before = route.checked_sub(1).and_then(arrival);
+            before == Some(Arrival::Exact)
+        };
+        let each = (0..routes).map(|route| match follows_rest(route) {
+            true => Arrival::Exact,
+            false => arrival(route).unwrap_or_default(),
+        });
         each.collect()
     }
 

@@ -58,20 +58,26 @@ struct Circle {
     each_rad: f64,
 }
 
-/// The free control points of a spline along a line that turns no tighter than a radius, and on
+/// The free control points of a spline along a line that turns no tighter than a radius at each bend, and on
 /// straight legs has a control point at least every `span_m`; none where the corners are too near to
 /// each other for that.
-pub(super) fn controls(line: &[Bend], radius_m: f64, span_m: f64) -> Option<Vec<EastNorth>> {
+pub(super) fn controls(line: &[Bend], radii_m: &[f64], span_m: f64) -> Option<Vec<EastNorth>> {
     // Around one circle there is one turn.
     let is_same = |a: &Bend, b: &Bend| a.around.1 > 0.0 && a.around == b.around;
     let turns: Vec<&[Bend]> = line.chunk_by(is_same).collect();
+    let firsts = turns.iter().scan(0, |first, turn| {
+        let index = *first;
+        *first += turn.len();
+        radii_m.get(index).copied()
+    });
+    let radii_m: Vec<f64> = firsts.collect();
     let mut circles: Vec<Circle> = turns.iter().map(|turn| Circle::point(&turn[0])).collect();
     for index in 1..turns.len().saturating_sub(1) {
         let [before, first] = [turns[index - 1].last()?, turns[index].first()?];
         let [last, after] = [turns[index].last()?, turns[index + 1].first()?];
         let into = vector(first.at) - vector(before.at);
         let out = vector(after.at) - vector(last.at);
-        circles[index].begin((into, out), radius_m);
+        circles[index].begin((into, out), *radii_m.get(index)?);
     }
     let courses = draw_taut(&mut circles)?;
     let mut free: Vec<Vector> = Vec::new();
@@ -360,7 +366,7 @@ mod tests {
             around: (*at, 0.0),
         };
         let bends: Vec<Bend> = line.iter().map(place).collect();
-        let free = controls(&bends, radius_m, span_m).expect("a belt");
+        let free = controls(&bends, &vec![radius_m; bends.len()], span_m).expect("a belt");
         let all = [&line[..1], &free, &line[line.len() - 1..]].concat();
         let basis = Basis::uniform(all.len(), 40_001);
         let sampled =

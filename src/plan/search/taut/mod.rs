@@ -6,15 +6,17 @@
 //! keeps all limits and costs less.
 
 mod belt;
+mod mend;
 
 use rayon::prelude::*;
 
 use super::fit::Line;
 use super::polish::{fits_items, is_for_polish, plane};
-use super::{Found, along};
+use super::{Found, JUDGED_SAMPLES, along};
 use crate::cost::CostTerms;
 use crate::geodesy::EastNorth;
 use crate::numeric::as_f64;
+use crate::numeric::bspline::uniform_parameters;
 use crate::path::VehicleLimits;
 use crate::plan::classes::taut_line::taut_line;
 use crate::plan::route_context::RouteContext;
@@ -27,6 +29,9 @@ const SPANS: usize = 20;
 /// Length of the pieces of the line of a class, metres, and most of them.
 const FINE_M: f64 = 5.0;
 const MAX_PIECES: f64 = 4000.0;
+/// Distance of the samples at which mended paths are judged, metres, and how many times more they are at most.
+const CHORD_M: f64 = 0.8;
+const MAX_FINER: f64 = 8.0;
 /// Most control points between the ends.
 const MAX_CONTROLS: usize = 800;
 
@@ -42,7 +47,7 @@ pub(super) fn taut(context: &RouteContext<'_>, found: Found) -> Found {
     let max_m = Line::new(path.clone()).length_m();
     let max_cost = found.strict.total();
     let is_better = |strict: &CostTerms| strict.is_clean() && strict.total() < max_cost;
-    match drawn(context, &path, max_m, &is_better) {
+    match drawn(context, &path, max_m, (&is_better, false)) {
         Some(drawn) => Found {
             evaluations: found.evaluations,
             ..drawn
@@ -59,15 +64,15 @@ pub(super) fn along_lines(context: &RouteContext<'_>, lines: &[Vec<EastNorth>]) 
     }
     let any_m = f64::INFINITY;
     let along = |line: &Vec<EastNorth>| {
-        let is_good = &CostTerms::keeps_static_limits;
-        drawn(context, &finely(line), any_m, is_good)
+        let is_good: &(dyn Fn(&CostTerms) -> bool + Sync) = &CostTerms::keeps_static_limits;
+        drawn(context, &finely(line), any_m, (is_good, true))
     };
     let drawn: Vec<Found> = lines.par_iter().filter_map(along).collect();
     drawn.into_iter().min_by(Found::by_limits)
 }
 
 /// A line with a point every few metres.
-fn finely(line: &[EastNorth]) -> Vec<EastNorth> {
+pub(super) fn finely(line: &[EastNorth]) -> Vec<EastNorth> {
     let line = Line::new(line.to_vec());
     #[expect(
         clippy::cast_possible_truncation,
@@ -85,7 +90,7 @@ fn drawn(
     context: &RouteContext<'_>,
     path: &[EastNorth],
     max_m: f64,
-    is_good: &(dyn Fn(&CostTerms) -> bool + Sync),
+    (is_good, mends): (&(dyn Fn(&CostTerms) -> bool + Sync), bool),
 ) -> Option<Found> {
     let limits = VehicleLimits::of(context.vehicle());
     let radius_m = limits.turn_radius_m * (1.0 + context.margins.turn_fraction);
@@ -101,7 +106,7 @@ fn drawn(
     };
     let span_m = line_m / as_f64(SPANS.max(context.controls() - 3));
     for wider in WIDER {
-        let Some(free) = belt::controls(&line, wider * radius_m, span_m) else {
+        let Some(free) = belt::controls(&line, &vec![wider * radius_m; line.len()], span_m) else {
             continue;
         };
         if free.len() > MAX_CONTROLS {
@@ -112,7 +117,30 @@ fn drawn(
             return Some(drawn);
         }
     }
-    None
+    if !mends {
+        return None;
+    }
+    let free = mend::mended(&line, radius_m, span_m)?;
+    let finer = finer(line_m);
+    let anew = RouteContext {
+        extra: &finer,
+        ..*context
+    };
+    let drawn = along(&anew, &free);
+    (is_good(&drawn.strict) && fits_items(context, &drawn.spline)).then_some(drawn)
+}
+
+/// Even parameters among those at which results are judged, so that chords cut no corner: for paths of some length.
+fn finer(length_m: f64) -> Vec<f64> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "limited to the range before"
+    )]
+    let times = (length_m / CHORD_M / as_f64(JUDGED_SAMPLES))
+        .ceil()
+        .clamp(1.0, MAX_FINER) as usize;
+    uniform_parameters(times * (JUDGED_SAMPLES - 1) + 1)
 }
 
 #[cfg(test)]

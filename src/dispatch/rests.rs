@@ -1,0 +1,114 @@
+//! Fleets whose vehicles rest on their way where turns keep them from a path, or from a much cheaper one.
+
+use super::tighten::Strictness;
+use super::{Dispatched, Job};
+use crate::geodesy::PlanPoint;
+use crate::plan::rests_of;
+use crate::spec::{Algorithm, Arrival, EndPoint, MissionSpec, Objective, Placement, Stop};
+use crate::verify::{Limit, Repair};
+use crate::world::World;
+
+/// Most vehicles of a fleet that is planned once more.
+const MAX: usize = 14;
+/// Most rests of one vehicle.
+const MAX_RESTS: usize = 190;
+
+/// A dispatched fleet, or where that is better the same with rests on its way.
+pub(super) fn or_with_rests(job: Job<'_>, dispatch: impl Fn(Job<'_>) -> Dispatched) -> Dispatched {
+    let found = dispatch(job);
+    if !may_rest(job) || job.run.is_cancelled() {
+        return found;
+    }
+    let Some((mut spec, world)) = with_rests(job, &found) else {
+        return found;
+    };
+    let mut other = dispatch(Job {
+        spec: &spec,
+        world: &world,
+        ..job
+    });
+    if !other.is_better_than(found.rank()) {
+        return found;
+    }
+    for (plan, known) in other.plan.vehicles.iter_mut().zip(&found.plan.vehicles) {
+        (plan.bound, plan.estimate) = (known.bound, known.estimate);
+    }
+    if let Some(delayed) = other.delayed.take() {
+        for (own, stops) in spec.vehicles.iter_mut().zip(delayed) {
+            own.stops = stops;
+        }
+    }
+    other.with_rests = Some(Box::new((spec, world)));
+    other
+}
+
+/// Whether vehicles may rest where nobody asked for it: not those of tasks, whose stops are made already.
+fn may_rest(job: Job<'_>) -> bool {
+    let planner = &job.spec.planner;
+    (planner.algorithm, planner.objective) == (Algorithm::Msfoa, Objective::Operational)
+        && std::ptr::eq(job.spec, job.judged.0)
+        && job.run.earlier.is_none()
+        && job.spec.vehicles.len() <= MAX
+}
+
+/// The spec and the world with the rests that may help; none where nothing may.
+fn with_rests(job: Job<'_>, found: &Dispatched) -> Option<(MissionSpec, World)> {
+    let (mut spec, mut world) = (job.spec.clone(), job.world.clone());
+    let margins = Strictness::first(job.spec).margins;
+    let mut has_any = false;
+    for (index, plan) in found.plan.vehicles.iter().enumerate() {
+        if !plan.blocking_set.is_empty() {
+            continue;
+        }
+        let fails = fails(found, &job.spec.vehicles[index].id);
+        let rests = rests_of(
+            (job.spec, job.world),
+            (index, plan),
+            (fails, margins[index]),
+        );
+        let Some(rests) = rests.filter(|rests| rests.iter().flatten().count() <= MAX_RESTS) else {
+            continue;
+        };
+        has_any = true;
+        let (stops, sites) = merged(job, index, &rests);
+        (spec.vehicles[index].stops, world.sites[index].stops) = (stops, sites);
+    }
+    has_any.then_some((spec, world))
+}
+
+/// Whether a vehicle breaks a limit that another way may keep.
+fn fails(found: &Dispatched, id: &str) -> bool {
+    let mut broken = found.review.margins.iter().filter(|margin| !margin.ok);
+    broken.any(|margin| {
+        let is_static = matches!(
+            margin.limit.repair(),
+            Some(Repair::Clearance | Repair::Height | Repair::Obstacle)
+        );
+        margin.vehicle == id && (is_static || margin.limit == Limit::Encoding)
+    })
+}
+
+/// The stops of a vehicle with the rests of its routes between them.
+fn merged(job: Job<'_>, index: usize, rests: &[Vec<PlanPoint>]) -> (Vec<Stop>, Vec<PlanPoint>) {
+    let (own, sites) = (&job.spec.vehicles[index], &job.world.sites[index]);
+    let (mut stops, mut points) = (Vec::new(), Vec::new());
+    for (route, rests) in rests.iter().enumerate() {
+        for &rest in rests {
+            let end = EndPoint {
+                place: job.world.frame.from_plan(rest.at),
+                altitude: Placement::Amsl(rest.amsl),
+            };
+            let id = format!("rest-{}", points.len() + 1);
+            stops.push(Stop {
+                arrives: Arrival::Exact,
+                ..Stop::passing(&id, end)
+            });
+            points.push(rest);
+        }
+        if let (Some(stop), Some(&site)) = (own.stops.get(route), sites.stops.get(route)) {
+            stops.push(stop.clone());
+            points.push(site);
+        }
+    }
+    (stops, points)
+}

@@ -1,0 +1,128 @@
+//! Ways of straight legs on which a copter rests where they bend.
+//!
+//! A copter that comes to rest at a corner needs no space to turn there, so that the exact line past the corners
+//! of what is closed is flown as it is: through streets, slots and tubes too narrow for turns at full speed.
+
+use rayon::prelude::*;
+
+use super::corridor::passings;
+use super::fit::Line;
+use super::polish::is_for_polish;
+use super::taut::finely;
+use super::{Found, along};
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::path::VehicleLimits;
+use crate::plan::classes::corridors::corridors_of_gaps;
+use crate::plan::classes::overflights::overflight_lines;
+use crate::plan::classes::taut_line::cornered_line;
+use crate::plan::route_context::RouteContext;
+use crate::spec::Airframe;
+
+/// Longest distance of control points on a leg, metres, and most of them on a way.
+const SPAN_M: f64 = 40.0;
+const MAX_CONTROLS: usize = 1200;
+/// A spline passes a control point that it has so often.
+const AT_CORNER: usize = 3;
+/// Lines of each kind that are tried.
+const LINES: usize = 8;
+/// They pass corners at this distance, metres.
+const AWAY_M: f64 = 0.05;
+
+/// A way with rests between its ends.
+#[derive(Clone, Debug)]
+pub(crate) struct Rests {
+    /// Where it bends, in order.
+    pub at: Vec<PlanPoint>,
+    /// What it costs.
+    pub cost: f64,
+}
+
+/// The cheapest way with rests along lines that are exact in the plane, among those that cost less than `most`; none
+/// where none keeps the limits.
+pub(crate) fn rests(context: &RouteContext<'_>, most: f64) -> Option<Rests> {
+    if context.vehicle().airframe != Airframe::Copter || !is_for_polish(context) {
+        return None;
+    }
+    let exact = &context.as_exact();
+    let lines = lines(exact, most);
+    let mut cornered: Vec<Vec<EastNorth>> = (lines.par_iter())
+        .filter_map(|line| cornered(exact, line))
+        .collect();
+    cornered.dedup();
+    let ways = cornered
+        .par_iter()
+        .filter_map(|line| along_line(exact, line));
+    let ways: Vec<Rests> = ways.filter(|way| way.cost < most).collect();
+    ways.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// The shortest line near one, as its corners.
+fn cornered(context: &RouteContext<'_>, line: &[EastNorth]) -> Option<Vec<EastNorth>> {
+    let radius_m = VehicleLimits::of(context.vehicle()).turn_radius_m;
+    cornered_line(context, &finely(line), radius_m)
+}
+
+/// Lines that are exact in the plane, then those through free space.
+fn lines(context: &RouteContext<'_>, most: f64) -> Vec<Vec<EastNorth>> {
+    let world = context.world;
+    let mut lines = match world.zones.is_empty() {
+        true => Vec::new(),
+        false => overflight_lines(context, LINES, (most, AWAY_M)),
+    };
+    for passing in passings(world) {
+        let found = corridors_of_gaps(context, passing);
+        let classes = found.into_iter().flat_map(|found| found.classes);
+        lines.extend(classes.take(LINES).map(|class| class.line));
+    }
+    lines
+}
+
+/// The way along a line.
+fn along_line(context: &RouteContext<'_>, corners: &[EastNorth]) -> Option<Rests> {
+    let (outline, numbers) = outline(corners);
+    if outline.len() > MAX_CONTROLS {
+        return None;
+    }
+    let found = along(context, &outline);
+    keeps_all_but_turns(&found).then(|| Rests {
+        at: numbers
+            .iter()
+            .map(|&number| at_corner(&found, number))
+            .collect(),
+        cost: found.strict.length + found.strict.altitude,
+    })
+}
+
+fn keeps_all_but_turns(found: &Found) -> bool {
+    let terms = found.strict;
+    terms.threat + terms.terrain + terms.climb + terms.collision <= 0.0
+}
+
+/// Where a spline passes a corner that is three of its control points, the middle one by its number.
+fn at_corner(found: &Found, number: usize) -> PlanPoint {
+    let spline = &found.spline;
+    let amsl_m = &spline.amsl_m[number - 1..=number + 1];
+    let at = (amsl_m[0] + 4.0 * amsl_m[1] + amsl_m[2]) / 6.0;
+    PlanPoint::new(spline.east_m[number], spline.north_m[number], Amsl(at))
+}
+
+/// Control points of a spline along a line, and the numbers of those in the middle of each corner, the first end counted.
+fn outline(line: &[EastNorth]) -> (Vec<EastNorth>, Vec<usize>) {
+    let (mut free, mut numbers) = (Vec::new(), Vec::new());
+    for (index, pair) in line.windows(2).enumerate() {
+        let leg = Line::new(pair.to_vec());
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "limited to the range before"
+        )]
+        let pieces = (leg.length_m() / SPAN_M).ceil().clamp(2.0, 1000.0) as usize;
+        #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
+        free.extend((1..pieces).map(|piece| leg.at(piece as f64 / pieces as f64)));
+        if index + 2 < line.len() {
+            free.extend([pair[1]; AT_CORNER]);
+            numbers.push(free.len() - 1);
+        }
+    }
+    (free, numbers)
+}
