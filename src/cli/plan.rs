@@ -25,7 +25,7 @@ use super::usage;
 use crate::dispatch::{self, Dispatched, Improved, Improving, Stage};
 use crate::link::TransferReport;
 use crate::report::{infeasibilities, worst_first};
-use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
+use crate::spec::{Arrival, MissionSpec, OnLinkLoss, SpecFile};
 use crate::tasks::AssignedTask;
 use crate::verify::{Margin, Review, Topic};
 use crate::world::{self, World};
@@ -255,8 +255,8 @@ fn print_result(
         watch.total_s()
     ))?;
     print_fleet(file, dispatched, transfer)?;
+    let (planned_spec, planned_world) = dispatched.planned_spec(spec, world);
     if !review.passes() {
-        let (planned_spec, planned_world) = dispatched.planned_spec(spec, world);
         for reason in infeasibilities(planned_spec, planned_world, &dispatched.plan) {
             out(&format!("{} {reason}", paint.bad("FAIL")))?;
         }
@@ -268,6 +268,9 @@ fn print_result(
     }
     warn_of_parked(review);
     for line in given_way(file, dispatched) {
+        out(&paint.dim(&format!("note: {line}")))?;
+    }
+    for line in resting(planned_spec) {
         out(&paint.dim(&format!("note: {line}")))?;
     }
     for (note, ids) in notes(file, dispatched) {
@@ -428,6 +431,24 @@ fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
     }
     shown.extend(indices.into_values());
     shown
+}
+
+/// The vehicles that rest on their way where they have no space to turn, and how often.
+fn resting(planned: &MissionSpec) -> Vec<String> {
+    let vehicles = planned.vehicles.iter();
+    vehicles
+        .filter_map(|vehicle| {
+            let stops = vehicle.stops.iter();
+            let rests = stops.filter(|stop| stop.arrives == Arrival::Exact).count();
+            let times = if rests == 1 { "time" } else { "times" };
+            (rests > 0).then(|| {
+                format!(
+                    "{} rests for 1 s {rests} {times} on its way, where it has no space to turn (`stops` of plan.json)",
+                    vehicle.id
+                )
+            })
+        })
+        .collect()
 }
 
 /// The vehicles with another departure or speed than the spec has, and to which they give way.

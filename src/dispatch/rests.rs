@@ -92,13 +92,15 @@ fn fails(found: &Dispatched, id: &str) -> bool {
 fn merged(job: Job<'_>, index: usize, rests: &[Vec<PlanPoint>]) -> (Vec<Stop>, Vec<PlanPoint>) {
     let (own, sites) = (&job.spec.vehicles[index], &job.world.sites[index]);
     let (mut stops, mut points) = (Vec::new(), Vec::new());
+    let is_new = |id: &String| own.stops.iter().all(|stop| stop.id != *id);
+    let mut ids = (1..).map(|number| format!("rest-{number}")).filter(is_new);
     for (route, rests) in rests.iter().enumerate() {
         for &rest in rests {
             let end = EndPoint {
                 place: job.world.frame.from_plan(rest.at),
                 altitude: Placement::Amsl(rest.amsl),
             };
-            let id = format!("rest-{}", points.len() + 1);
+            let id = ids.next().unwrap_or_default();
             stops.push(Stop {
                 arrives: Arrival::Exact,
                 ..Stop::passing(&id, end)
