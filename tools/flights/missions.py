@@ -13,6 +13,8 @@ KINDS = {
     "plane": ("ardupilot", "plane"),
     # Lands on a course that is found for it.
     "plane-land": ("ardupilot", "plane"),
+    # Turns off its takeoff course at the end of its climb.
+    "plane-turn": ("ardupilot", "plane"),
     "quadplane": ("ardupilot", "vtol"),
     "px4-copter": ("px4", "copter"),
     "px4-plane": ("px4", "plane"),
@@ -72,6 +74,8 @@ def make(kind, seed):
     vehicle, start, goal = draw(rng, autopilot, airframe, course_deg, wind["speed_mps"])
     if kind == "plane-land":
         vehicle["finish"], vehicle["landing"] = "land", {"glide_deg": rng.choice([4, 5, 6])}
+    if kind == "plane-turn":
+        turn_off(rng, vehicle, start, goal)
     if kind == "zigzag":
         return with_area(kind, seed, vehicle, [], [], wind, ("relative", 5)), wind
     ways = [between(start, goal, rng.uniform(0.3, 0.7), rng.uniform(-60, 60)) for _ in range(rng.randint(0, 2))]
@@ -206,6 +210,15 @@ def wing(rng, autopilot, airframe, course_deg, wind_mps):
         vehicle["home"] = place(*home)
         vehicle["takeoff_heading_deg"] = round(course_deg, 1)
     return vehicle, start, goal
+
+
+def turn_off(rng, vehicle, start, goal):
+    """Has a plane take off on another course than that of its first leg, which is the way from start to goal about."""
+    course_deg = math.degrees(math.atan2(goal[0] - start[0], goal[1] - start[1]))
+    leg, takeoff_deg = polar(rng.uniform(250, 700), course_deg), course_deg + rng.choice([-1, 1]) * rng.uniform(20, 130)
+    off = polar(560, takeoff_deg)
+    vehicle["home"] = place(start[0] - leg[0] - off[0], start[1] - leg[1] - off[1])
+    vehicle["takeoff_heading_deg"] = round(takeoff_deg % 360, 1)
 
 
 def text(spec):

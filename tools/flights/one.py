@@ -9,7 +9,7 @@ import time
 from . import missions, simulator
 from .tube import Tube, compare
 
-BUFFER_M = {"copter": 10.0, "zigzag": 10.0, "px4-copter": 10.0, "plane": 15.0, "plane-land": 15.0, "quadplane": 15.0,
+BUFFER_M = {"copter": 10.0, "zigzag": 10.0, "px4-copter": 10.0, "plane": 15.0, "plane-land": 15.0, "plane-turn": 15.0, "quadplane": 15.0,
             "px4-plane": 15.0, "px4-vtol": 15.0}
 
 

@@ -16,6 +16,7 @@ ARDUPILOT = {
     "zigzag": ("quad", "default_params/copter.parm"),
     "plane": ("plane", "models/plane.parm"),
     "plane-land": ("plane", "models/plane.parm"),
+    "plane-turn": ("plane", "models/plane.parm"),
     "quadplane": ("quadplane", "default_params/quadplane.parm"),
 }
 # The numbers of PX4's airframes for its own simulator (SIH).
