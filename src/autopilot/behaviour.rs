@@ -141,6 +141,8 @@ pub struct Behaviour {
     pub altitude_lag_s: Figure,
     /// A plane may reach the height of its takeoff after this share of the planned climb.
     pub climb_out_share: Figure,
+    /// And after this share at the latest, as far as planes were flown.
+    pub climb_out_last_share: Figure,
     /// A plane may exceed the height of its takeoff by this before it levels off, metres.
     pub climb_out_overshoot_m: Figure,
     /// During its planned climb the vehicle is driven off with this share of the speed of the wind:
@@ -204,7 +206,7 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 23] {
+    pub fn figures(&self) -> [(&'static str, Figure); 24] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("early_share", self.early_share),
@@ -218,6 +220,7 @@ impl Behaviour {
             ("corner_late_s", self.corner_late_s),
             ("altitude_lag_s", self.altitude_lag_s),
             ("climb_out_share", self.climb_out_share),
+            ("climb_out_last_share", self.climb_out_last_share),
             ("climb_out_overshoot_m", self.climb_out_overshoot_m),
             ("drift_share", self.drift_share),
             ("drift_s", self.drift_s),

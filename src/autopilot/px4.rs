@@ -149,6 +149,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     )]),
     // Assumed: ArduPlane was measured.
     climb_out_share: ardupilot::CLIMB_OUT_SHARE,
+    climb_out_last_share: ardupilot::CLIMB_OUT_LAST_SHARE,
     climb_out_overshoot_m: ardupilot::CLIMB_OUT_OVERSHOOT_M,
     // The wind of its planes, which were flown in up to 6 m/s.
     max_wind_mps: ardupilot::PLANE_MAX_WIND_MPS,

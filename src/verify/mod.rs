@@ -173,7 +173,8 @@
 //!
 //! **Swings.** ArduPlane follows its legs by the L1 law: the way that it gives is judged in space besides the legs, and
 //! for the separation the vehicle is anywhere within what that way is beside the legs 2 s before and after, and late by
-//! what it takes longer. Its climb-out is judged steeper and higher too, and in wind further downwind; on the circle
+//! what it takes longer. Its climb-out is judged steeper and higher too, and in wind further downwind, and a plane that has its height
+//! early turns off towards its next place from there, by that law, and is as much earlier; on the circle
 //! of its end it is up to 0.75 turn radii further out than the radius.
 //!
 //! **Rotors of a QuadPlane.** As long as it climbs it leans little, and the wind drives it to any side with 0.8 of its

@@ -11,6 +11,7 @@ mod campaign;
 mod copter_corners;
 mod curves;
 mod domes;
+mod early_climb;
 mod fences;
 mod lateness;
 mod obstacles;

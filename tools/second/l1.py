@@ -121,6 +121,13 @@ class Law:
         turns = [a.turn(b) for a, b in zip(legs, legs[1:])]
         return self.fly(legs, turns, amsl, speeds, wind, legs[0].a, judged=judged)
 
+    def leave(self, course, flat, amsl, speeds, wind):
+        """The way of a plane that has its height at the first place, on a heading: straight at the next from wherever it
+        is, and along the legs from there."""
+        legs = [Leg(a, b) for a, b in zip(flat, flat[1:])]
+        turns = [a.turn(b) for a, b in zip(legs, legs[1:])]
+        return self.fly(legs, turns, amsl, speeds, wind, legs[0].a, heading=course)
+
     def arrive(self, start, from_place, flat, amsl, speeds, wind):
         """The way of a wing that comes to the first place straight from `start`; where it takes the next leg
         it reckons from the leg of the mission."""
@@ -132,13 +139,15 @@ class Law:
         way = self.fly(legs, turns, [amsl[0], *amsl], [speeds[0], *speeds], wind, begin, 1)
         return [(a, b, leg - 1, aside) for a, b, leg, aside in way]
 
-    def fly(self, legs, turns, amsl, speeds, wind, begin, first=0, judged=JUDGED_S):
+    def fly(self, legs, turns, amsl, speeds, wind, begin, first=0, judged=JUDGED_S, heading=None):
         blows = (0.0, 0.0)
         if wind:
             clockwise = math.radians(wind["from_deg"])
             blows = -wind["speed_mps"] * math.sin(clockwise), -wind["speed_mps"] * math.cos(clockwise)
         airs = [self.pace * math.hypot(v * leg.east - blows[0], v * leg.north - blows[1]) for leg, v in zip(legs, speeds)]
-        heading = math.atan2(speeds[0] * legs[0].east - blows[0], speeds[0] * legs[0].north - blows[1])
+        is_homing = heading is not None
+        if not is_homing:
+            heading = math.atan2(speeds[0] * legs[0].east - blows[0], speeds[0] * legs[0].north - blows[1])
         state = [*begin, heading, 0.0, 0.0]
         t, i, way, since, aside, steps = 0.0, 0, [], None, 0.0, 0
         most = 2 * sum(leg.length / v for leg, v in zip(legs, speeds)) + 60
@@ -153,8 +162,10 @@ class Law:
                 continue
             if since is None and i >= first:
                 since, aside, steps = (state[0], state[1]), 0.0, 0
-            middle = moved(state, STEP_S / 2, self.rates(state, leg, airs[i], blows))
-            state = moved(state, STEP_S, self.rates(middle, leg, airs[i], blows))
+            at = Leg(state[:2], leg.b) if is_homing and i == 0 else leg
+            middle = moved(state, STEP_S / 2, self.rates(state, at, airs[i], blows))
+            at = Leg(middle[:2], leg.b) if is_homing and i == 0 else leg
+            state = moved(state, STEP_S, self.rates(middle, at, airs[i], blows))
             t += STEP_S
             if since is not None:
                 steps += 1

@@ -1,11 +1,12 @@
 """The flight of a plane or VTOL judged in space, by the texts of src/verify/mod.rs and src/verify/execute/wing/mod.rs."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from .circles import Circles, parts
+from .circles import Circles
+from .climb_out import ClimbOut, WingKnot, course
 from .earth import A, E2, axes, distance, ecef, geodetic
 from .flight import DELAY, G, HOLD, LAND, RETURN, SAME_M, SPEED, STAY, STOP_LATE, TAKEOFF, TO_ALT, WAYPOINT, Flight, Knot
 from .l1 import STEP_S, WAY_M, Law, Px4Law, air_ratio
@@ -15,11 +16,8 @@ TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
 # From so far on PX4 turns the nose of a VTOL to the place of its takeoff, metres.
 LEAST_AHEAD = 20.0
 ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
-PX4_CLIMB_LATE_S = 36.0
 OFF_M = 0.01  # less than this is no offset
 SMALL_CLIMB_M = 15.0
-CLIMB_OUT_SHARE, OVERSHOOT_M, LATER_SHARE = 0.2, 14.0, 0.3
-CARRIED_SHARE = {"ardupilot": 0.32, "px4": 0.1}
 
 
 def read_params(path):
@@ -56,22 +54,7 @@ class Plane:
         return float(lat), float(lon)
 
 
-@dataclass
-class WingKnot(Knot):
-    slope_from: float = None  # the ground that the leg to here climbs from or glides to
-    takeoff: bool = False
-
-
-def course(a, b):
-    """Clockwise from north."""
-    return math.atan2(*(b - a))
-
-
-def ahead(a, clockwise, far):
-    return a + far * np.array([math.sin(clockwise), math.cos(clockwise)])
-
-
-class WingFlight(Circles, Flight):
+class WingFlight(ClimbOut, Circles, Flight):
     def __init__(self, vehicle, items, ground, spec, params, origin):
         self.plane, self.params = Plane(origin), params
         self.wind = spec.get("wind")
@@ -154,63 +137,6 @@ class WingFlight(Circles, Flight):
                 for level in (last.amsl, amsl):
                     self.lay(at, home, level, level)
         self.stay(self.home.at, amsl, self.params["WP_LOITER_RAD"])
-
-    def climb_out(self, item):
-        amsl, _ = self.resolve(item, self.home.at)
-        start = self.flat(self.home)
-        heading = self.vehicle["takeoff_heading_deg"]
-        clockwise = math.radians(heading) if self.ardupilot else course(start, self.plane.flat(item["at"]))
-        speed, accel = self.vehicle["speed_mps"], self.vehicle["accel_mps2"]
-        v = self.over_ground(speed, amsl, clockwise)
-        run = v * v / (2 * accel)
-        off = ahead(start, clockwise, run)
-        place = self.plane.place(off)
-        ground = float(self.ground.height(*place))
-        slope = min(math.tan(math.radians(self.vehicle["max_climb_deg"])), self.vehicle["climb_mps"] / self.fastest)
-        top = ahead(off, clockwise, (amsl - ground) / slope)
-        roll = Line(self.home.at, place, Height(False, self.home.amsl, ground))
-        self.grounded.append(roll)
-        self.add(roll, (0, 1), (v / 2, v / 2), 2 * run / v, (v, abs(ground - self.home.amsl) / run * v))
-        self.knots, self.moving = [WingKnot(place, ground)], speed
-        last = WingKnot(self.plane.place(top), amsl, None, speed, takeoff=True)
-        self.knots += self.in_two(self.knots[0], last, ground)
-        early = off + CLIMB_OUT_SHARE * (top - off)
-        self.lay(early, top, amsl + OVERSHOOT_M, amsl + OVERSHOOT_M)
-        carried = self.carried((amsl - ground) / self.vehicle["climb_mps"])
-        for off in carried[1:]:
-            there = self.plane.place(early + off)
-            steep = [self.knots[0], *self.in_two(self.knots[0], replace(last, at=there), ground)]
-            for a, b in zip(steep, steep[1:]):
-                self.lay(self.flat(a), self.flat(b), a.amsl, b.amsl, b.slope_from)
-        self.early_top = early, top, amsl, carried
-        self.late += 0.0 if self.ardupilot else PX4_CLIMB_LATE_S
-
-    def carried(self, lasts):
-        """How far off the wind may carry a climb-out: it holds its heading."""
-        if not self.wind:
-            return [np.zeros(2)] * 2
-        far = CARRIED_SHARE[self.vehicle["autopilot"]] * lasts * self.wind["speed_mps"]
-        off = ahead(np.zeros(2), math.radians(self.wind["from_deg"]) + math.pi, far)
-        count = parts(far)
-        return [off * k / count for k in range(count + 1)]
-
-    def in_two(self, low, high, ground):
-        """From the ground up: as long as half of the height is asked for, and the rest."""
-        split = ground + max(2 * self.min_agl, self.min_agl + 20)
-        if split >= high.amsl:
-            return [replace(high, slope_from=ground)]
-        a, b = self.flat(low), self.flat(high)
-        at = self.plane.place(a + (b - a) * (split - ground) / (high.amsl - ground))
-        return [replace(high, at=at, amsl=split, slope_from=ground), high]
-
-    def leave_early(self, knots):
-        if self.early_top is None:
-            return
-        (early, top, amsl, carried), self.early_top = self.early_top, None
-        onto = next(knot for knot in knots[1:] if not knot.takeoff)
-        for share in (0, LATER_SHARE / 3, LATER_SHARE * 2 / 3, LATER_SHARE):
-            for off in carried:
-                self.lay(early + share * (top - early) + off, self.flat(onto), amsl, onto.amsl)
 
     def glide(self, item):
         ground = float(self.ground.height(*item["at"]))
@@ -295,7 +221,7 @@ class WingFlight(Circles, Flight):
         if not self.ardupilot:
             self.early(knots, legs)
         if self.law:
-            self.leave_early(knots)
+            self.leave_early(flat, knots, heights, cruise)
         if self.law and len(knots) > 2:
             for fixes in self.law.both(lambda law: law.follow(flat, [knot.amsl for knot in knots], cruise, self.wind)):
                 self.lay_way(flat, knots, heights, fixes)

@@ -143,7 +143,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
         |s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::ArduPilot,
         "ArduPlane climbs out more steeply (4.6.3, simulated: 9.3 to 10.4 m/s where 2.5 to 4 were planned, the height reached after {plane.climb_out_share} of the planned climb, \
          {plane.climb_out_overshoot_m} over it for some seconds) and holds its heading, so that the wind carries it off for {plane.drift_share} of the planned climb: the ceiling is judged {plane.climb_out_overshoot_m} over that height and the way on from {plane.climb_out_share} of the climb, \
-         also as far downwind, separation counts with the height in between and with up to {plane.takeoff_early_s} early",
+         also as far downwind, by its L1 law towards the next place and along the legs after it, separation counts with the height in between, and with up to {plane.takeoff_early_s} early and what that way is shorter",
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),

@@ -71,6 +71,8 @@ struct Wing {
     bank_rad: f64,
     integral_rad: f64,
     turns_either_way: bool,
+    /// Whether it heads for the end of its leg from wherever it is.
+    is_homing: bool,
     /// Over the ground, as a unit vector and a speed.
     motion: ([f64; 2], f64),
 }
@@ -144,6 +146,11 @@ impl Guidance {
         Self { law, ..self }
     }
 
+    /// Whether it flies straight at the first place after its takeoff, from where that ends.
+    pub(crate) fn flies_straight_on(&self) -> bool {
+        matches!(self.law, Law::L1(_))
+    }
+
     /// The motion through the air, m/s, of a wing that makes a ground speed along a line.
     fn through_air(&self, line: &Line, ground_mps: f64) -> [f64; 2] {
         let [east_mps, north_mps] = self.wind_mps.unwrap_or_default();
@@ -198,6 +205,25 @@ impl Guidance {
         }
     }
 
+    /// The way of a wing from the first of some knots, where it is on a heading, straight at the next and along the
+    /// legs from there.
+    pub(crate) fn leave(&self, heading_rad: f64, knots: &[Knot], grounds_mps: &[f64]) -> Way {
+        let lines = lines(knots);
+        let turns = lines.windows(2).map(|pair| pair[0].turn_rad(&pair[1]));
+        let turns: Vec<f64> = turns.collect();
+        let Some(first) = lines.first() else {
+            return Way::default();
+        };
+        let air_mps = self.pace * self.air_mps(first, grounds_mps[0]);
+        let wing = Wing {
+            heading_rad,
+            is_homing: true,
+            motion: self.over_ground(heading_rad, air_mps),
+            ..self.on_line(first, first.from, grounds_mps[0])
+        };
+        self.fly((wing, &lines), (&turns, knots), grounds_mps)
+    }
+
     /// The way of a wing that comes to the first of some knots along a line, from where it turns onto
     /// the leg after that. How far before it that is, ArduPlane takes from the legs of the mission:
     /// `turn_rad` is their change of course there.
@@ -247,6 +273,7 @@ impl Guidance {
             bank_rad: 0.0,
             integral_rad: 0.0,
             turns_either_way: false,
+            is_homing: false,
             motion: self.over_ground(heading_rad, self.pace * self.air_mps(line, ground_mps)),
         }
     }
@@ -276,6 +303,7 @@ impl Guidance {
             let gone_m = line.along(wing.at);
             if gone_m >= line.length_m || line.ends_within(before_m, wing.at) {
                 leg += 1;
+                wing.is_homing = false;
                 if leg == lines.len() {
                     break;
                 }
@@ -283,16 +311,17 @@ impl Guidance {
                 wing.motion = self.over_ground(wing.heading_rad, air_mps);
                 continue;
             }
-            wing.step(self, line, (air_mps, bank_share));
+            let aims_along = match wing.is_homing {
+                true => &Line::new(wing.place(), line.to),
+                false => line,
+            };
+            wing.step(self, aims_along, (air_mps, bank_share));
             t_s += STEP_S;
             let own_m = line.cross_track_m(wing.at);
             let before = leg.checked_sub(1).map(|before| &lines[before]);
             fixes.push(Fix {
                 leg,
-                at: EastNorth {
-                    east_m: wing.at[0],
-                    north_m: wing.at[1],
-                },
+                at: wing.place(),
                 t_s,
                 cross_track_m: before
                     .map_or(own_m, |other| other.cross_track_or_less_m(own_m, wing.at)),
@@ -315,6 +344,11 @@ fn lines(knots: &[Knot]) -> Vec<Line> {
 }
 
 impl Wing {
+    fn place(&self) -> EastNorth {
+        let [east_m, north_m] = self.at;
+        EastNorth { east_m, north_m }
+    }
+
     /// One step along a leg, at a speed through the air, with the share of an error of bank that a step corrects.
     fn step(&mut self, guidance: &Guidance, line: &Line, (air_mps, bank_share): (f64, f64)) {
         let (demand_mps2, turns_either_way) = match guidance.law {

@@ -17,9 +17,15 @@
 //! buffer, or than `min_agl_m` and 20 m if that is more, half of that height must be clear; from there on it is a leg as any other.
 //!
 //! A plane of PX4 is up to 36 s late from there on. Each is judged besides: level 14 m higher from 0.2 of that climb to its end, straight from the lift-off to
-//! the altitude at 0.2, and straight to the next place from there and from 0.1, 0.2 and 0.3 of what is left of the
-//! way. In wind each of these points is anywhere up to as far downwind as the wind goes in 0.32 (PX4: 0.1) of the
+//! the altitude at 0.2, and straight to the next place from there, from 0.46 of the climb and from two places between,
+//! equally far apart. In wind each of these points is anywhere up to as far downwind as the wind goes in 0.32 (PX4: 0.1) of the
 //! time that `climb_mps` takes.
+//!
+//! A plane of ArduPlane is judged as well on its ways by the L1 law from each of these points: with the heading of its
+//! takeoff there, to the next place with the distance from the leg taken as 0 and the angle as that to the place from wherever it
+//! is (`Plane::verify_takeoff`), and along up to three legs from there, as under the L1 law; to the next place at the altitudes of
+//! the straight line there, and level at that of the place where the change is small. It may be earlier, from the leg to
+//! the next place on, by what the straight way there from 0.2 of the climb takes less than the planned one from there.
 //!
 //! **Glide.** Straight from the place before to the ground at the place of the item, which must be within 10 m of
 //! its altitude. Its last part is judged as the first of a climb-out.

@@ -1,5 +1,7 @@
 //! Paths of wings off their legs: they overshoot corners, and climb out early.
 
+mod early_climb;
+
 use std::f64::consts::PI;
 
 use crate::geodesy::{EastNorth, PlanPoint};
@@ -7,15 +9,14 @@ use crate::numeric::geometry;
 use crate::path::{along, heading_rad};
 
 use super::STEP_S;
-use super::drift::carried_points;
 use super::guidance::{Fix, Way};
 use super::line::Line;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
-use crate::verify::execute::flight::{EarlyTop, Hull};
+use crate::verify::execute::flight::Hull;
 use crate::verify::execute::legs::{Knot, ground_speeds};
 use crate::verify::execute::trajectory::AltitudeLine;
-use crate::verify::measure::segment::{Phase, Segment};
+use crate::verify::measure::segment::Segment;
 
 /// Ways nearer to their legs than this are not looked at, metres.
 const TOLERANCE_M: f64 = 0.5;
@@ -26,10 +27,6 @@ const EVERY_STRAIGHT: usize = 2;
 const WITHIN_S: f64 = 2.0;
 /// Legs after the place at the end of a hull that a wing swings beside.
 const ARRIVAL_LEGS: usize = 3;
-/// A plane that is early at the height of its takeoff goes on from there, or from up to this share of the rest of
-/// the planned way, in steps: 4.6.3 had it after 0.20 to 0.43 of that way.
-const LATER_SHARE: f64 = 0.3;
-const LATER_STEPS: u8 = 3;
 /// Courses on which it may come to that place are no further apart, radians.
 const ARRIVAL_RAD: f64 = 10.0 * PI / 180.0;
 
@@ -45,7 +42,7 @@ impl Pilot<'_> {
         let Some(guidance) = self.guidance else {
             return Ok(());
         };
-        self.leave_early(knots, firsts);
+        self.leave_early(knots, (grounds_mps, firsts))?;
         if knots.len() < 3 {
             return Ok(());
         }
@@ -180,56 +177,6 @@ impl Pilot<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Share of the planned climb after which a plane may have its height, and how far it may
-    /// exceed that, metres.
-    pub(crate) fn climb_out_figures(&self) -> (f64, f64) {
-        let behaviour = &self.vehicle.facts().behaviour;
-        let version = self.vehicle.autopilot_version;
-        (
-            behaviour.climb_out_share.value(version),
-            behaviour.climb_out_overshoot_m.value(version),
-        )
-    }
-
-    /// A plane that is early at the height of its takeoff goes on from there.
-    fn leave_early(&mut self, knots: &[Knot], firsts: &[usize]) {
-        let Some(early) = self.early_top.take() else {
-            return;
-        };
-        let Some(next) = knots.iter().find(|knot| knot.phase != Phase::Join) else {
-            return;
-        };
-        let (early_share, overshoot_m) = self.climb_out_figures();
-        let off_m = early.off.east_m.hypot(early.off.north_m);
-        let rise_m = early.point.amsl.0 - knots[0].amsl_m;
-        let t_s = self.trajectory.t_s;
-        let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
-        let aside_m = top.map_or(0.0, |top| cross_track_m(early.point.at, next.at, top.at));
-        let first = firsts.first().copied().unwrap_or_default();
-        for segment in &mut self.trajectory.segments[first..] {
-            if segment.phase == Phase::Join {
-                segment.wide_m = ((1.0 - early_share) * rise_m).max(overshoot_m).max(off_m);
-            } else if segment.row == next.row {
-                segment.wide_m = aside_m + off_m;
-            }
-        }
-        let later = top.into_iter().flat_map(|top| {
-            let share = |step: u8| LATER_SHARE * f64::from(step) / f64::from(LATER_STEPS);
-            let level = PlanPoint {
-                at: top.at,
-                ..early.point
-            };
-            (1..=LATER_STEPS).map(move |step| early.point.toward(level, share(step)))
-        });
-        let tops = std::iter::once(early.point).chain(later);
-        let tops = tops.flat_map(|point| carried_points(EarlyTop { point, ..early }));
-        for point in tops {
-            let segment =
-                Segment::unflown((next.row, next.phase), (t_s, t_s), (point, next.point()));
-            self.trajectory.segments.push(segment);
-        }
     }
 
     /// Widens the segments of the legs by the distance of the path from them, and makes them late by
