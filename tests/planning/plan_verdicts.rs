@@ -11,7 +11,7 @@ use sortie::spec::*;
 use sortie::world::{Terrain, TerrainGrid, World};
 use support::command::{sortie, text};
 use support::plans::{EAST, SOUTH, WEST, plan};
-use support::{copter, empty_spec, generated, place, threat, world};
+use support::{copter, empty_spec, generated, place, plane, threat, vtol, world};
 use tempfile::TempDir;
 
 /// Planned, encoded and judged, as `sortie plan` does.
@@ -400,10 +400,20 @@ fn offset_gaps(thick_m: f64, apart_m: f64, gap_deg: f64) -> MissionSpec {
 }
 
 #[test]
-fn a_pass_narrower_than_a_turn_names_the_turn_and_one_that_fits_does_pass() {
+fn a_pass_narrower_than_a_turn_is_named_to_who_cannot_rest_in_it_and_one_that_fits_does_pass() {
     let mut spec = offset_gaps(400.0, 250.0, 0.001);
     spec.vehicles[0].speed_mps = 40.0;
     spec.planner.evaluations = 20_000;
+    let of_copter = world(&spec);
+    let rests = dispatched(&spec, &of_copter);
+    assert!(rests.plan.vehicles[0].terms.is_clean());
+    assert!(
+        !rests.planned_spec(&spec, &of_copter).0.vehicles[0]
+            .stops
+            .is_empty()
+    );
+    spec.vehicles[0] = vtol(plane("alpha", 1, WEST, EAST));
+    spec.vehicles[0].speed_mps = 40.0;
     let world = world(&spec);
     let found = dispatched(&spec, &world);
     let vehicle = &found.plan.vehicles[0];

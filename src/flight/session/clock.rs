@@ -43,6 +43,16 @@ pub(crate) struct Aligned {
     pub(crate) jump_s: Option<f64>,
 }
 
+impl Aligned {
+    /// Whether it is later than another time on the fleet's clock in a record as well, whose times are whole milliseconds:
+    /// answers that show a link to be quicker bring two stamps nearer to each other than that.
+    pub(crate) fn is_after(&self, before_ms: f64) -> bool {
+        /// A little more than one, for rounding.
+        const APART_MS: f64 = 1.001;
+        self.at_ms > before_ms + APART_MS
+    }
+}
+
 impl Offset {
     /// The time on the fleet's clock of a stamp that arrived at `arrived_ms` of it; none for one
     /// that cannot be, unless others go on from it.
@@ -116,7 +126,9 @@ impl Offset {
 
 #[cfg(test)]
 mod tests {
-    use super::Offset;
+    use proptest::prelude::*;
+
+    use super::{Aligned, Offset};
 
     fn at(offset: &mut Offset, boot_ms: f64, arrived_ms: f64) -> f64 {
         offset
@@ -182,6 +194,37 @@ mod tests {
             let off_ms = off_after_a_minute(|_| 30.0, rate, Some);
             assert!((-200.0..250.0).contains(&off_ms), "{rate} {off_ms}");
         }
+    }
+
+    proptest! {
+        #[test]
+        fn times_that_are_after_one_another_differ_in_a_record(
+            t0_ms in 0.0..1e9_f64, before_ms in 0.0..1e8_f64, by_ms in -0.5..3.0_f64,
+        ) {
+            let (before_ms, jump_s) = (t0_ms + before_ms, None);
+            let at_ms = before_ms + by_ms;
+            if (Aligned { at_ms, jump_s }).is_after(before_ms) {
+                let recorded = |at_ms: f64| ((at_ms - t0_ms) / 1000.0 * 1000.0).round();
+                prop_assert!(recorded(at_ms) > recorded(before_ms), "{at_ms} {before_ms} {t0_ms}");
+            }
+        }
+    }
+
+    /// As a flight had them: 400 ms of the vehicle's clock apart, and a link that proved to be 399.8 ms quicker.
+    #[test]
+    fn two_stamps_in_one_millisecond_are_not_one_after_the_other() {
+        let mut offset = Offset::default();
+        assert!((at(&mut offset, 48_664.0, 49_464.2) - 49_464.2).abs() < 1e-9);
+        offset.answered(48_700.0, 49_490.0, 49_500.2);
+        let before = offset.align(48_864.0, 49_664.2).expect("no jump");
+        let next = offset.align(49_264.0, 49_664.4).expect("no jump");
+        assert!(next.at_ms > before.at_ms && !next.is_after(before.at_ms));
+        assert!(
+            offset
+                .align(49_464.0, 49_864.4)
+                .expect("no jump")
+                .is_after(before.at_ms)
+        );
     }
 
     #[test]

@@ -299,8 +299,8 @@ impl FlightVehicle<'_> {
             items: self.total.now.unwrap_or(0),
             boot_ms: Some(position.boot_ms),
         };
-        let is_later = self.latest.is_none_or(|(before, _)| at_ms > before);
-        if !is_later {
+        let is_later = |(before_ms, _): (f64, Fix)| aligned.is_after(before_ms);
+        if !self.latest.is_none_or(is_later) {
             return;
         }
         self.latest = Some((at_ms, fix));
