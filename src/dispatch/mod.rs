@@ -421,13 +421,6 @@ impl Dispatched {
     /// Whether the ground, a ceiling, a threat or a zone is too near to a path, and nothing proves that it
     /// always is.
     fn may_fly_closer(&self) -> bool {
-        let is_static = |margin: &Margin| {
-            let repair = margin.limit.repair();
-            matches!(
-                repair,
-                Some(Repair::Clearance | Repair::Height | Repair::Obstacle)
-            )
-        };
         let mut broken = self.review.margins.iter().filter(|margin| !margin.ok);
         let mut plans = self.plan.vehicles.iter();
         broken.any(is_static) && plans.all(|plan| plan.blocking_set.is_empty())
@@ -453,6 +446,14 @@ impl Dispatched {
             (None, None) => (spec, world),
         }
     }
+}
+
+/// Whether a limit is one of the ground, a ceiling, a threat or a zone.
+fn is_static(margin: &Margin) -> bool {
+    matches!(
+        margin.limit.repair(),
+        Some(Repair::Clearance | Repair::Height | Repair::Obstacle)
+    )
 }
 
 /// Encodes the routes of every vehicle and judges the missions. A mission that cannot be encoded

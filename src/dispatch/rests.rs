@@ -1,11 +1,11 @@
 //! Fleets whose vehicles rest on their way where turns keep them from a path, or from a much cheaper one.
 
 use super::tighten::Strictness;
-use super::{Dispatched, Job};
+use super::{Dispatched, Job, is_static};
 use crate::geodesy::PlanPoint;
 use crate::plan::rests_of;
 use crate::spec::{Algorithm, Arrival, EndPoint, MissionSpec, Objective, Placement, Stop};
-use crate::verify::{Limit, Repair};
+use crate::verify::Limit;
 use crate::world::World;
 
 /// Most vehicles of a fleet that is planned once more.
@@ -80,11 +80,7 @@ fn with_rests(job: Job<'_>, found: &Dispatched) -> Option<(MissionSpec, World)> 
 fn fails(found: &Dispatched, id: &str) -> bool {
     let mut broken = found.review.margins.iter().filter(|margin| !margin.ok);
     broken.any(|margin| {
-        let is_static = matches!(
-            margin.limit.repair(),
-            Some(Repair::Clearance | Repair::Height | Repair::Obstacle)
-        );
-        margin.vehicle == id && (is_static || margin.limit == Limit::Encoding)
+        margin.vehicle == id && (is_static(margin) || margin.limit == Limit::Encoding)
     })
 }
 

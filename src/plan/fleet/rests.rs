@@ -6,17 +6,13 @@ use crate::geodesy::PlanPoint;
 use crate::numeric::as_f64;
 use crate::path::route_ends;
 use crate::plan::VehiclePlan;
-use crate::plan::bound::proven;
 use crate::plan::route_context::{RouteContext, on_route};
+use crate::plan::search::corridor::{MIN_BUDGET, is_far_from_bound};
 use crate::plan::search::judged_route;
 use crate::plan::search::rests::{Rests, rests};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::world::World;
 
-/// A path that costs less than this many times its bound is good enough.
-const FAR: f64 = 1.05;
-/// Fewest evaluations with which a plan that keeps its limits gets other ways.
-const MIN_BUDGET: usize = 10_000;
 /// A way with rests counts where it costs less than this share of one without.
 const WORTH: f64 = 0.98;
 
@@ -78,11 +74,9 @@ pub(crate) fn rests_of(
 /// What a way with rests must cost less than instead of a route that keeps the limits; nothing where that is near its bound.
 fn worth(context: &RouteContext<'_>, terms: &CostTerms) -> f64 {
     let cost = terms.length + terms.altitude;
-    let route = [vec![(context.ends.from, context.ends.to)]];
-    let bound = || -> f64 { proven(context.spec, context.world, &route).iter().sum() };
-    match cost <= FAR * context.bound() || cost <= FAR * bound() {
-        true => 0.0,
-        false => WORTH * cost,
+    match is_far_from_bound(context, cost) {
+        true => WORTH * cost,
+        false => 0.0,
     }
 }
 

@@ -63,7 +63,7 @@ const FAR: f64 = 1.05;
 /// Evaluations of a small budget.
 const FEW: usize = 2000;
 /// Fewest evaluations of a route that is searched again because it is not.
-const MIN_BUDGET: usize = 10_000;
+pub(in crate::plan) const MIN_BUDGET: usize = 10_000;
 /// A fit through corridors that costs less than this many times what was found is searched from,
 /// and what that finds counts where it costs less by a share.
 const NEAR: f64 = 1.05;
@@ -160,14 +160,12 @@ pub(super) fn nearer_to_bound(
     first: &Found,
 ) -> Option<Found> {
     let cost = first.strict.total();
-    let is_far = |least: f64| cost > FAR * least;
     if context.is_cancelled()
         || run.budget < MIN_BUDGET
         || !has_corridors(context)
         || !context.earlier.is_empty()
         || !first.strict.is_clean()
-        || !is_far(context.bound())
-        || !is_far(bound_of(context))
+        || !is_far_from_bound(context, cost)
     {
         return None;
     }
@@ -193,6 +191,11 @@ pub(super) fn nearer_to_bound(
 /// with others: the time to decode altitudes grows with the square.
 fn as_much_work(others: usize, controls: usize, evaluations: usize) -> usize {
     evaluations * others * others / (controls * controls).max(1)
+}
+
+/// Whether a cost is far above what any path of the route has to cost.
+pub(in crate::plan) fn is_far_from_bound(context: &RouteContext<'_>, cost: f64) -> bool {
+    cost > FAR * context.bound() && cost > FAR * bound_of(context)
 }
 
 /// Proven: no path of the route costs less.

@@ -101,7 +101,7 @@ pub(super) fn controls(line: &[Bend], radii_m: &[f64], span_m: f64) -> Option<Ve
     Some(free.into_iter().map(at).collect())
 }
 
-fn vector(at: EastNorth) -> Vector {
+pub(super) fn vector(at: EastNorth) -> Vector {
     Vector::new(at.east_m, at.north_m)
 }
 
@@ -122,7 +122,7 @@ fn wide_m(into: Vector, out: Vector, radius_m: f64) -> f64 {
     by_length_m.min(by_leg_m).max(radius_m)
 }
 
-fn turn_rad(into: Vector, out: Vector) -> f64 {
+pub(super) fn turn_rad(into: Vector, out: Vector) -> f64 {
     into.perp(&out).atan2(into.dot(&out))
 }
 

@@ -104,13 +104,7 @@ fn widen(line: &[Bend], radii_m: &mut [f64], (path, min_m): (&[EastNorth], f64))
 
 /// The radius of the turn at the middle one of three points, as the objective has it: by the shorter step, metres.
 pub(super) fn radius_of(three: &[EastNorth]) -> f64 {
-    let [a, b, c] = [0, 1, 2].map(|at| [three[at].east_m, three[at].north_m]);
-    let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
-    let (into, out) = (minus(b, a), minus(c, b));
-    let cross = into[0] * out[1] - into[1] * out[0];
-    let dot = into[0] * out[0] + into[1] * out[1];
-    let step_m = three[0]
-        .distance_m(three[1])
-        .min(three[1].distance_m(three[2]));
-    step_m / cross.atan2(dot).abs().max(1e-12)
+    let [a, b, c] = [0, 1, 2].map(|at| belt::vector(three[at]));
+    let (into, out) = (b - a, c - b);
+    into.norm().min(out.norm()) / belt::turn_rad(into, out).abs().max(1e-12)
 }
