@@ -50,6 +50,27 @@ fn a_vehicle_that_changes_its_port_in_flight_is_heard_and_answered_before_it_cou
 }
 
 #[test]
+fn who_spoke_to_the_program_that_had_a_port_before_is_not_heard_on_loopback() {
+    let [vehicle, stranger] = [0, 1].map(|_| UdpSocket::bind(("127.0.0.1", 0)).expect("a socket"));
+    let link = Link::UdpOut(vehicle.local_addr().expect("bound").to_string());
+    let links = Links::open(&[(1, &link)]).expect("open");
+    links.send(1, Message::Heartbeat(Heartbeat::OURS));
+    let (_, ours) = vehicle.recv_from(&mut [0; 100]).expect("it is spoken to");
+    let mut heard = Vec::new();
+    for _ in 0..5 {
+        for socket in [&stranger, &vehicle] {
+            socket.send_to(&beat(), ours).expect("sent");
+        }
+        heard.extend(links.receive(Duration::from_millis(500)));
+    }
+    while let Some(more) = links.receive(Duration::from_millis(100)) {
+        heard.push(more);
+    }
+    let are_messages = heard.iter().all(|of| matches!(of, Arrival::Message(..)));
+    assert!(are_messages && heard.len() == 5, "{heard:?}");
+}
+
+#[test]
 fn a_cut_connection_of_a_vehicle_in_flight_is_opened_again() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a listener");
     let address = listener.local_addr().expect("an address");

@@ -10,7 +10,9 @@ use crate::spec::Link;
 
 /// An open link.
 pub(crate) enum Wire {
-    /// Datagrams; `remote` is where to speak to before any peer was heard.
+    /// Datagrams; `remote` is where to speak to before any peer was heard. On loopback it is the
+    /// only one that is heard: ports there go from one program to the next, and what was spoken
+    /// to the one before is not of this link.
     Udp {
         socket: UdpSocket,
         remote: Option<SocketAddr>,
@@ -38,8 +40,12 @@ impl Wire {
                     SocketAddr::V4(_) => (Ipv4Addr::UNSPECIFIED, 0).into(),
                     SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
                 };
+                let socket = UdpSocket::bind(any)?;
+                if remote.ip().is_loopback() {
+                    socket.connect(remote)?;
+                }
                 Ok(Self::Udp {
-                    socket: UdpSocket::bind(any)?,
+                    socket,
                     remote: Some(remote),
                 })
             }
@@ -94,7 +100,10 @@ impl Wire {
     /// Sends one frame.
     pub(crate) fn send(&mut self, frame: &[u8], to: SocketAddr) -> io::Result<()> {
         let sent = match self {
-            Self::Udp { socket, .. } => socket.send_to(frame, to).map(|_| ()),
+            Self::Udp { socket, remote } => match remote.filter(|at| at.ip().is_loopback()) {
+                Some(_) => socket.send(frame).map(|_| ()),
+                None => socket.send_to(frame, to).map(|_| ()),
+            },
             Self::Tcp(connection) => {
                 connection.send(frame);
                 return Ok(());
