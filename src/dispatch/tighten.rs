@@ -220,8 +220,9 @@ impl Strictness {
                 }
             }
             Repair::Slope => {
-                margins.climb_fraction =
-                    (margins.climb_fraction + fraction).min(MAX_CLIMB_FRACTION);
+                // A path may climb and descend too steeply: neither asks for more than the other has.
+                let more = (before.climb_fraction + fraction).min(MAX_CLIMB_FRACTION);
+                margins.climb_fraction = margins.climb_fraction.max(more);
             }
             Repair::Turn => margins.turn_fraction += fraction,
         }

@@ -156,6 +156,22 @@ fn a_narrow_maze_is_flown_with_turns_that_are_mended_one_by_one() {
     assert!(cost > 1.2 && cost < 1.245, "{cost}");
 }
 
+/// Four walls 80 m high and four lids 70 m above the ground by turns, 200 m apart: between them 30 m must be climbed at 10
+/// and descended at 8 degrees, so that straight legs are too short. A zigzag before each by hand costs 2.527.
+#[test]
+fn walls_are_flown_over_and_lids_under_where_straight_legs_are_too_short_to_climb() {
+    let cost = passing_cost("walls-and-lids.yaml");
+    assert!(cost > 2.36 && cost < 1.03 * 2.527, "{cost}");
+}
+
+/// A wall 100 m high between start and goal, 100 m from either, and climbs of 6 degrees: by hand, over one corner aside
+/// before it and one behind it, 1.106.
+#[test]
+fn a_slow_climber_goes_aside_no_further_than_it_has_to() {
+    let cost = passing_cost("slow-climber.yaml");
+    assert!(cost > 0.99 && cost < 1.12 * 1.106, "{cost}");
+}
+
 #[test]
 fn two_that_meet_in_a_gap_share_the_detour() {
     let cost = passing_cost_with("head-on-in-a-gap.yaml", 1000, 1);

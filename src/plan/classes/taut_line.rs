@@ -29,7 +29,7 @@ const MIN_SINE: f64 = 0.1;
 const THREAT_CORNERS: f64 = 96.0;
 
 /// What is closed in the plane, margins included.
-struct Closed {
+pub(crate) struct Closed {
     area: Ring,
     zones: Vec<Offset>,
     threats: Vec<(Point, f64)>,
@@ -42,6 +42,19 @@ pub(crate) struct Bend {
     /// The circle that it bends around: a threat, the corner of a zone with its buffer, or no more
     /// than the place itself.
     pub around: (EastNorth, f64),
+    /// Circles around it that its turn is nearest to, positive to the left; 0 where it turns the shorter way.
+    pub circles: f64,
+}
+
+impl Bend {
+    /// A bend around nothing but its place.
+    pub(crate) fn place(at: EastNorth) -> Self {
+        Self {
+            at,
+            around: (at, 0.0),
+            circles: 0.0,
+        }
+    }
 }
 
 /// A corner, the circle that it stands for, and how far along the path it is.
@@ -52,19 +65,20 @@ struct Corner {
     along_m: f64,
 }
 
-/// The shortest line along a path that is given by many points, ends included; none where there are
-/// too many corners, or none that leads from end to end.
+/// The shortest line along a path that is given by many points, ends included, and what is closed there; none where
+/// there are too many corners, or none that leads from end to end.
 pub(crate) fn taut_line(
     context: &RouteContext<'_>,
     path: &[EastNorth],
     radius_m: f64,
-) -> Option<Vec<Bend>> {
-    let (line, _) = shortest_near(context, path, radius_m)?;
+) -> Option<(Vec<Bend>, Closed)> {
+    let (line, closed) = shortest_near(context, path, radius_m)?;
     let bend = |corner: Corner| Bend {
         at: east_north(corner.at),
         around: (east_north(corner.around.0), corner.around.1),
+        circles: 0.0,
     };
-    Some(line.into_iter().map(bend).collect())
+    Some((line.into_iter().map(bend).collect(), closed))
 }
 
 /// The same as the places at which it bends, ends included: around one circle as few as there is space for.
@@ -271,7 +285,7 @@ impl Closed {
 
     /// Whether a place is closed, or outside of the area, which is a rectangle: a straight piece between places in it is in
     /// it.
-    fn holds(&self, at: Point) -> bool {
+    pub(crate) fn holds(&self, at: Point) -> bool {
         let in_threat = |&(center, radius_m): &(Point, f64)| distance(at, center) < radius_m;
         let in_zone = |zone: &Offset| !zone.is_far_from(at, at) && zone.contains(at);
         !self.area.contains(at)
@@ -280,7 +294,7 @@ impl Closed {
     }
 
     /// Whether a straight piece crosses nothing closed.
-    fn is_free(&self, a: Point, b: Point) -> bool {
+    pub(crate) fn is_free(&self, a: Point, b: Point) -> bool {
         let crosses = |&(center, radius_m): &(Point, f64)| {
             disc_chord(a, b, center, radius_m).is_some_and(|chord| chord.fraction > 0.0)
         };

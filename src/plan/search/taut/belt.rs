@@ -3,6 +3,8 @@
 //! A spline whose control points lie evenly on an arc is that arc, a little smaller. So the rounded
 //! line is a belt around circles, one at each corner, which the spline touches there.
 
+use std::f64::consts::{PI, TAU};
+
 use nalgebra::{Rotation2, Vector2};
 
 use crate::geodesy::EastNorth;
@@ -43,6 +45,9 @@ struct Circle {
     around: (Vector, f64),
     /// Positive where the line turns left.
     side: f64,
+    /// Circles that its turn is nearest to, and whole ones of these besides the turn between its legs.
+    circles: f64,
+    whole: f64,
     /// Least radius of the turn.
     radius_m: f64,
     /// Greatest step of its centre for each unit of the difference of courses, metres.
@@ -135,8 +140,7 @@ fn draw_taut(circles: &mut Vec<Circle>) -> Option<Vec<Vector>> {
     part(circles);
     for round in 0..ROUNDS {
         let courses = courses(circles)?;
-        let turned =
-            |index: usize| circles[index].side * turn_rad(courses[index - 1], courses[index]);
+        let turned = |index: usize| circles[index].turned_rad(courses[index - 1], courses[index]);
         let inner = 1..circles.len() - 1;
         let least = inner
             .clone()
@@ -258,7 +262,12 @@ impl Circle {
         let (center, around_m) = bend.around;
         Self {
             around: (vector(center), around_m),
-            side: 0.0,
+            side: match bend.circles.abs() > 0.0 {
+                true => bend.circles.signum(),
+                false => 0.0,
+            },
+            circles: bend.circles.abs(),
+            whole: 0.0,
             radius_m: 0.0,
             step_m: 0.0,
             touches_m: 0.0,
@@ -273,20 +282,44 @@ impl Circle {
     /// The circle of a turn between two legs of the line, where it touches its place.
     fn begin(&mut self, (into, out): (Vector, Vector), radius_m: f64) {
         let (at, around_m) = self.around;
-        self.side = turn_rad(into, out).signum();
+        let circles = self.circles > 0.0;
+        if !circles {
+            self.side = turn_rad(into, out).signum();
+        }
         self.radius_m = match around_m > 0.0 {
             true => radius_m.max(around_m),
             false => wide_m(into, out, radius_m),
         };
-        self.step_m = STEP * self.radius_m.min(into.norm()).min(out.norm());
+        // Circles stay where there is space for them.
+        self.step_m = match circles {
+            true => 0.0,
+            false => STEP * self.radius_m.min(into.norm()).min(out.norm()),
+        };
         let (into, out) = (into.normalize(), out.normalize());
         self.turn(into, out);
         self.center = at - outward(into, out) * (self.touches_m - around_m);
     }
 
+    /// How far it turns between two courses, circles included.
+    fn turned_rad(&self, into: Vector, out: Vector) -> f64 {
+        let turn_rad = self.side * turn_rad(into, out);
+        match self.circles > 0.0 {
+            true => turn_rad + TAU * (self.circles - turn_rad / TAU).round(),
+            false => turn_rad,
+        }
+    }
+
     /// Its control points for a turn between two courses.
     fn turn(&mut self, into: Vector, out: Vector) {
-        let turn_rad = turn_rad(into, out).abs();
+        let between_rad = turn_rad(into, out);
+        let turn_rad = match self.circles > 0.0 {
+            true => self.turned_rad(into, out),
+            false => between_rad.abs(),
+        };
+        self.whole = match self.circles > 0.0 {
+            true => ((turn_rad - self.side * between_rad) / TAU).round(),
+            false => 0.0,
+        };
         let count = (turn_rad / TURN_RAD).ceil().max(1.0);
         self.each_rad = turn_rad.max(STRAIGHT_RAD) / count;
         let (sin, cos) = (0.5 * self.each_rad).sin_cos();
@@ -325,7 +358,7 @@ impl Circle {
         let middle = 0.5 * (as_f64(self.points) - 1.0);
         let each_rad = self.each_rad.copysign(self.legs_m);
         let on_circle = |number: usize| {
-            let turned = (as_f64(number) - middle) * each_rad;
+            let turned = (as_f64(number) - middle) * each_rad + self.whole * PI;
             self.center + Rotation2::new(turned) * outward(into, out) * self.points_m
         };
         (0..self.points).map(on_circle).collect()
@@ -361,11 +394,7 @@ mod tests {
 
     /// The spline along a line of corners, sampled.
     fn path(line: &[EastNorth], radius_m: f64, span_m: f64) -> Vec<EastNorth> {
-        let place = |at: &EastNorth| Bend {
-            at: *at,
-            around: (*at, 0.0),
-        };
-        let bends: Vec<Bend> = line.iter().map(place).collect();
+        let bends: Vec<Bend> = line.iter().map(|at| Bend::place(*at)).collect();
         let free = controls(&bends, &vec![radius_m; bends.len()], span_m).expect("a belt");
         let all = [&line[..1], &free, &line[line.len() - 1..]].concat();
         let basis = Basis::uniform(all.len(), 40_001);
@@ -402,6 +431,36 @@ mod tests {
             assert!(nearest_m.fold(f64::INFINITY, f64::min) < 0.1);
         }
         turns_no_tighter(&path, RADIUS_M);
+    }
+
+    #[test]
+    fn circles_are_as_long_and_as_wide_as_they_are_asked_for() {
+        const RADIUS_M: f64 = 40.0;
+        for circles in [-3.0, -1.0, 2.0] {
+            let circle = Bend {
+                around: (at(300.0, RADIUS_M.copysign(circles)), RADIUS_M),
+                circles,
+                ..Bend::place(at(300.0, 0.0))
+            };
+            let line = [
+                Bend::place(at(0.0, 0.0)),
+                circle,
+                Bend::place(at(500.0, 20.0)),
+            ];
+            let free = controls(&line, &[20.0; 3], 30.0).expect("a belt");
+            let all = [&[line[0].at], &free[..], &[line[2].at]].concat();
+            let basis = Basis::uniform(all.len(), 40_001);
+            let sampled = |of: fn(&EastNorth) -> f64| {
+                basis.sampled(&all.iter().map(of).collect::<Vec<f64>>())
+            };
+            let (east, north) = (sampled(|at| at.east_m), sampled(|at| at.north_m));
+            let path: Vec<EastNorth> = east.into_iter().zip(north).map(|(e, n)| at(e, n)).collect();
+            turns_no_tighter(&path, 0.95 * RADIUS_M);
+            let length_m: f64 = path.windows(2).map(|two| two[0].distance_m(two[1])).sum();
+            let straight_m = 500.0_f64.hypot(20.0);
+            let around_m = length_m - straight_m - circles.abs() * TAU * RADIUS_M;
+            assert!(around_m.abs() < 8.0, "{circles}: {around_m}");
+        }
     }
 
     /// Ends of walls 20 m thick, with turns that are as wide: around one, and to and fro between two.

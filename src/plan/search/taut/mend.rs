@@ -25,28 +25,48 @@ const TOLERANCE_M: f64 = 0.01;
 const SAMPLE_M: f64 = 0.5;
 const MAX_SAMPLES: f64 = 20_000.0;
 
-/// Control points of a spline that keeps its distance from each corner of a line and turns nowhere tighter than
-/// a radius, in the plane; none where mending leads nowhere.
-pub(super) fn mended(line: &[Bend], radius_m: f64, span_m: f64) -> Option<Vec<EastNorth>> {
-    let mut tuned = line.to_vec();
-    let mut radii_m = vec![FIRST * radius_m; line.len()];
-    for _ in 0..ROUNDS {
-        let free = belt::controls(&tuned, &radii_m, span_m)?;
-        if free.len() > MAX_CONTROLS {
-            return None;
-        }
-        let path = sampled((line.first()?.at, line.last()?.at), &free);
-        let too_near = move_away(line, &mut tuned, &path);
-        let too_tight = widen(&tuned, &mut radii_m, (&path, SPARE * radius_m));
-        if !too_near && !too_tight {
-            return Some(free);
+/// A line, the same with more distance from corners where it needs it, and the radii of its turns.
+#[derive(Clone)]
+pub(super) struct Rounded {
+    pub line: Vec<Bend>,
+    pub tuned: Vec<Bend>,
+    pub radii_m: Vec<f64>,
+}
+
+impl Rounded {
+    /// With turns a little wider than a radius.
+    pub(super) fn new(line: &[Bend], radius_m: f64) -> Self {
+        Self {
+            line: line.to_vec(),
+            tuned: line.to_vec(),
+            radii_m: vec![FIRST * radius_m; line.len()],
         }
     }
-    None
+
+    /// Control points of its spline.
+    pub(super) fn controls(&self, span_m: f64) -> Option<Vec<EastNorth>> {
+        let free = belt::controls(&self.tuned, &self.radii_m, span_m)?;
+        (free.len() <= MAX_CONTROLS).then_some(free)
+    }
+
+    /// Becomes a line whose spline keeps its distance from each corner and turns nowhere tighter than a radius, in the
+    /// plane; its control points, or none where mending leads nowhere.
+    pub(super) fn mend(&mut self, radius_m: f64, span_m: f64) -> Option<Vec<EastNorth>> {
+        for _ in 0..ROUNDS {
+            let free = self.controls(span_m)?;
+            let path = sampled((self.line.first()?.at, self.line.last()?.at), &free);
+            let too_near = move_away(&self.line, &mut self.tuned, &path);
+            let too_tight = widen(&self.tuned, &mut self.radii_m, (&path, SPARE * radius_m));
+            if !too_near && !too_tight {
+                return Some(free);
+            }
+        }
+        None
+    }
 }
 
 /// Samples of the spline of some control points between two ends.
-fn sampled((first, last): (EastNorth, EastNorth), free: &[EastNorth]) -> Vec<EastNorth> {
+pub(super) fn sampled((first, last): (EastNorth, EastNorth), free: &[EastNorth]) -> Vec<EastNorth> {
     let all = [&[first], free, &[last]].concat();
     let length_m = Line::new(all.clone()).length_m();
     #[expect(

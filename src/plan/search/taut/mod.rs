@@ -6,9 +6,12 @@
 //! keeps all limits and costs less.
 
 mod belt;
+mod climbs;
 mod mend;
 
 use rayon::prelude::*;
+
+use mend::Rounded;
 
 use super::fit::Line;
 use super::polish::{fits_items, is_for_polish, plane};
@@ -94,7 +97,7 @@ fn drawn(
 ) -> Option<Found> {
     let limits = VehicleLimits::of(context.vehicle());
     let radius_m = limits.turn_radius_m * (1.0 + context.margins.turn_fraction);
-    let line = taut_line(context, path, radius_m)?;
+    let (line, closed) = taut_line(context, path, radius_m)?;
     let line_m = Line::new(line.iter().map(|bend| bend.at).collect()).length_m();
     if line_m >= max_m {
         return None;
@@ -120,14 +123,26 @@ fn drawn(
     if !mends {
         return None;
     }
-    let free = mend::mended(&line, radius_m, span_m)?;
-    let finer = finer(line_m);
-    let anew = RouteContext {
-        extra: &finer,
+    let judged = |context: &RouteContext<'_>, free: &[EastNorth]| {
+        let finer = finer(Line::new(free.to_vec()).length_m());
+        let anew = RouteContext {
+            extra: &finer,
+            ..*context
+        };
+        let drawn = along(&anew, free);
+        (is_good(&drawn.strict) && fits_items(context, &drawn.spline)).then_some(drawn)
+    };
+    let mut rounded = Rounded::new(&line, radius_m);
+    let mended = rounded.mend(radius_m, span_m);
+    if let Some(mended) = mended.and_then(|free| judged(context, &free)) {
+        return Some(mended);
+    }
+    let at_edges = &RouteContext {
+        at_edges: true,
         ..*context
     };
-    let drawn = along(&anew, &free);
-    (is_good(&drawn.strict) && fits_items(context, &drawn.spline)).then_some(drawn)
+    let free = climbs::long_enough(at_edges, (rounded, closed), (radius_m, span_m))?;
+    judged(at_edges, &free)
 }
 
 /// Even parameters among those at which results are judged, so that chords cut no corner: for paths of some length.

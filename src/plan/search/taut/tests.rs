@@ -140,7 +140,7 @@ fn a_taut_line_stays_in_the_area() {
                 )
             })
             .to_vec();
-        let line = taut_line(context, &finely(&around), 20.0).expect("a line");
+        let (line, _) = taut_line(context, &finely(&around), 20.0).expect("a line");
         for bend in &line {
             let at = geo::Point::new(bend.at.east_m, bend.at.north_m);
             assert!(geo::Intersects::intersects(&world.area, &at), "{bend:?}");
@@ -166,9 +166,12 @@ fn a_mended_belt_keeps_its_distance_and_its_radius() {
     let bends = around.map(|(east_m, north_m, radius_m)| Bend {
         at: at(east_m, north_m),
         around: (at(east_m, north_m), radius_m),
+        circles: 0.0,
     });
     let line: Vec<Bend> = outside(&bends);
-    let free = mend::mended(&line, RADIUS_M, 20.0).expect("a belt");
+    let free = Rounded::new(&line, RADIUS_M)
+        .mend(RADIUS_M, 20.0)
+        .expect("a belt");
     let misfits = |free: &[EastNorth]| {
         let all = [&[line[0].at], free, &[line[line.len() - 1].at]].concat();
         let basis = crate::numeric::Basis::uniform(all.len(), 30_001);
