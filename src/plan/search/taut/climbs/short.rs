@@ -31,8 +31,6 @@ pub(super) fn short(
     (roofs_m, lengths_m): (&[f64], &[f64]),
     (from_m, to_m): (f64, f64),
 ) -> Option<Option<Short>> {
-    // What the floor was before slopes raised it.
-    let floors_m = &demand.ground_m;
     let last = lengths_m.len();
     let whole_m: f64 = lengths_m.iter().sum();
     let mut reach = Reach {
@@ -43,24 +41,19 @@ pub(super) fn short(
     };
     let mut gone_m = 0.0;
     let mut first: Option<(bool, Short)> = None;
-    for k in 1..=last {
-        let (up_m, down_m, length_m) = (demand.up_m[k - 1], demand.down_m[k - 1], lengths_m[k - 1]);
+    for (step, &length_m) in lengths_m.iter().enumerate() {
         gone_m += length_m;
-        reach.high_m += up_m;
-        reach.low_m -= down_m;
-        let (floor_m, roof_m) = match k == last {
+        let steps_m = [demand.down_m[step], demand.up_m[step]];
+        // The raw floor, before slopes raised it.
+        let (floor_m, roof_m) = match step + 1 == last {
             true => (to_m, to_m),
-            false => (floors_m[k], roofs_m[k]),
+            false => (demand.ground_m[step + 1], roofs_m[step + 1]),
         };
         if roof_m < floor_m {
             return None;
         }
-        let (is_climb, missing_m, step_m) = match floor_m > reach.high_m {
-            true => (true, floor_m - reach.high_m, up_m),
-            false => (false, reach.low_m - roof_m, down_m),
-        };
-        if missing_m > TOLERANCE_M {
-            let by_m = missing_m * length_m / step_m.max(1e-9);
+        if let Some((is_climb, missing_m)) = reach.onward(steps_m, (floor_m, roof_m)) {
+            let by_m = missing_m * length_m / steps_m[usize::from(is_climb)].max(1e-9);
             match &mut first {
                 Some((of, first)) if *of == is_climb => first.by_m += by_m,
                 Some(_) => break,
@@ -73,16 +66,9 @@ pub(super) fn short(
                     first = Some((is_climb, short));
                 }
             }
-            match is_climb {
-                true => reach.high_m = floor_m,
-                false => reach.low_m = roof_m,
-            }
         }
         let held = reach.hold((floor_m, roof_m), gone_m);
-        if first
-            .as_ref()
-            .is_some_and(|(is_climb, _)| held[usize::from(*is_climb)])
-        {
+        if (first.as_ref()).is_some_and(|(is_climb, _)| held[usize::from(*is_climb)]) {
             break;
         }
     }
@@ -90,6 +76,26 @@ pub(super) fn short(
 }
 
 impl Reach {
+    /// Flies a step on, at most so far down and up. Where no flight is over the floor and under the roof there: whether
+    /// they do not climb enough, and the metres that are missing, from which on it goes on as if they were there.
+    fn onward(
+        &mut self,
+        [down_m, up_m]: [f64; 2],
+        (floor_m, roof_m): (f64, f64),
+    ) -> Option<(bool, f64)> {
+        self.high_m += up_m;
+        self.low_m -= down_m;
+        let (climb_m, descent_m) = (floor_m - self.high_m, self.low_m - roof_m);
+        if climb_m > TOLERANCE_M {
+            self.high_m = floor_m;
+            return Some((true, climb_m));
+        }
+        (descent_m > TOLERANCE_M).then(|| {
+            self.low_m = roof_m;
+            (false, descent_m)
+        })
+    }
+
     /// From where on flights climb, or descend, as steeply as they may.
     fn since_m(&self, is_climb: bool) -> f64 {
         match is_climb {
