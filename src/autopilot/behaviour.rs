@@ -139,6 +139,9 @@ pub struct Behaviour {
     /// On a climbing leg the vehicle lags the commanded altitude by this time its climb rate,
     /// seconds.
     pub altitude_lag_s: Figure,
+    /// On legs that descend from a climb on rotors the vehicle is above them by this time of their descent,
+    /// seconds.
+    pub transition_lag_s: Figure,
     /// A plane may reach the height of its takeoff after this share of the planned climb.
     pub climb_out_share: Figure,
     /// And after this share at the latest, as far as planes were flown.
@@ -206,7 +209,7 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 24] {
+    pub fn figures(&self) -> [(&'static str, Figure); 25] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("early_share", self.early_share),
@@ -219,6 +222,7 @@ impl Behaviour {
             ("late_share", self.late_share),
             ("corner_late_s", self.corner_late_s),
             ("altitude_lag_s", self.altitude_lag_s),
+            ("transition_lag_s", self.transition_lag_s),
             ("climb_out_share", self.climb_out_share),
             ("climb_out_last_share", self.climb_out_last_share),
             ("climb_out_overshoot_m", self.climb_out_overshoot_m),

@@ -168,6 +168,8 @@
 //! greatest of their own climb and those of the legs behind; by no more than their own and those of that time leave together,
 //! each its 3.3 s or all of its climb if that is less. Not where the ground is followed, nor where a climb-out or glide is
 //! judged by half of its height.
+//! A QuadPlane that descends from its climb has not come down yet while it accelerates: it is 17 s of its descent above those
+//! legs, and still on the legs of the next 34 s, until one of that length does not descend.
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
 //! before it, by its sources.
 //!

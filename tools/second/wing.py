@@ -16,6 +16,8 @@ TURNS, VTOL_TAKEOFF, VTOL_LAND = 18, 84, 85
 # From so far on PX4 turns the nose of a VTOL to the place of its takeoff, metres.
 LEAST_AHEAD = 20.0
 ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
+# Above legs that come down from a climb on rotors (ArduPilot).
+TRANSITION_LAG_S = 17.0
 OFF_M = 0.01  # less than this is no offset
 SMALL_CLIMB_M = 15.0
 
@@ -72,6 +74,7 @@ class WingFlight(ClimbOut, Circles, Flight):
         self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
         self.law = Law(params, n) if ardupilot else Px4Law(params, n, self.wind is not None)
         self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
+        self.down = self.lag
         super().__init__(vehicle, items, ground, 0.0)
 
     def most(self, speed, amsl):
@@ -156,6 +159,8 @@ class WingFlight(ClimbOut, Circles, Flight):
         self.lift(amsl)
         self.late += self.slow_takeoff()
         self.knots, self.moving = [WingKnot(self.home.at, amsl)], 0.0
+        if self.ardupilot:
+            self.down = TRANSITION_LAG_S
         ahead = 0.0 if self.ardupilot else distance(item["at"], self.home.at)
         if ahead < LEAST_AHEAD:
             self.region(amsl)
@@ -214,6 +219,7 @@ class WingFlight(ClimbOut, Circles, Flight):
         if last_speed <= 0:
             self.motions[-1].late += STOP_LATE
         heights = self.offsets(knots, legs, times)
+        self.down = self.lag
         for leg, others in zip(legs, heights):
             ends = leg.start, leg.end
             for height in others[1:]:
@@ -297,22 +303,27 @@ class WingFlight(ClimbOut, Circles, Flight):
         for b, leg, lasts in zip(knots[1:], legs, times):
             heights, rise, follows = [leg.height], leg.height.end - leg.height.start, leg.height.follows
             found.append(heights)
-            behind = [(r, left, ago) for r, left, ago in behind if ago < 2 * self.lag]
+            behind = [(r, left, ago) for r, left, ago in behind if ago < 2 * max(self.lag, self.down)]
+            count = {way: [of for of in behind if of[2] < 2 * lag] for way, lag in (("up", self.lag), ("down", self.down))}
             if b.slope_from is None and abs(rise) < self.small:
                 heights.append(Height(follows, leg.height.end, leg.height.end))
             rate = rise / max(lasts, 1e-9)
             # Of what it climbs over followed ground nothing is known.
-            left = math.inf if follows else math.copysign(min(abs(rise), self.lag * abs(rate)), rise)
+            lag = self.down if rise < 0 else self.lag
+            left = math.inf if follows else math.copysign(min(abs(rise), lag * abs(rate)), rise)
             if b.slope_from is not None or follows:
                 rate, behind = None, [(None, before, ago) for _, before, ago in behind]
             else:
-                rates, lags = [r for r, _, _ in behind if r is not None], [left] + [before for _, before, _ in behind]
-                some = math.inf if math.inf in lags else None
-                below = min(self.lag * max([rate, 0.0] + rates[-1:]), some or sum(lag for lag in lags if lag > 0))
-                above = min(-self.lag * min([rate, 0.0] + rates), some or -sum(lag for lag in lags if lag < 0))
+                up, down = ([left] + [before for _, before, _ in count[way]] for way in ("up", "down"))
+                rates = [r for r, _, _ in count["down"] if r is not None]
+                last = [r for r, _, _ in behind[-1:] if r is not None]
+                below = min(self.lag * max([rate, 0.0] + last), math.inf if math.inf in up else sum(m for m in up if m > 0))
+                above = min(-self.down * min([rate, 0.0] + rates), math.inf if math.inf in down else -sum(m for m in down if m < 0))
                 heights += [Height(False, leg.height.start + off, leg.height.end + off)
                             for off in (-below, above) if abs(off) > OFF_M]
             behind = [(r, before, ago + lasts) for r, before, ago in behind] + [(rate, left, 0.0)]
+            if rise >= 0 and lasts > 2 * self.down:
+                self.down = self.lag
         return found
 
     def early(self, knots, legs):

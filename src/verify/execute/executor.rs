@@ -89,6 +89,7 @@ pub(crate) fn fly(
                 .with_jerk(jerk_mps3(mission))
         }),
         lag_s: altitude_lag::lag_s(mission),
+        transition_lag_s: 0.0,
         early_m: altitude_lag::early_m(vehicle, mission),
         circle_m: None,
         tangent: None,
@@ -156,6 +157,8 @@ pub(crate) struct Pilot<'a> {
     law: Option<Cornering>,
     /// Lag behind a slope, seconds of the climb rate; 0 for none.
     pub(crate) lag_s: f64,
+    /// The same above legs that descend from a climb on rotors, until it flies these.
+    pub(crate) transition_lag_s: f64,
     /// So far before a waypoint it has its altitude, metres.
     pub(crate) early_m: f64,
     /// The radius of the circle before on rotors, metres.

@@ -170,6 +170,11 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
     ),
     (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
+        "a QuadPlane that descends from its climb is {quadplane.transition_lag_s} of its descent above those legs until it has levelled: \
+         judged there too, but not the separation there",
+    ),
+    (
         |s| {
             let is_quadplane =
                 s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;

@@ -152,6 +152,7 @@ impl Pilot<'_> {
                 self.lay_arrivals((&hull, leg), &knots, &grounds_mps, &firsts)?;
             }
         }
+        self.transition_lag_s = 0.0;
         if last_mps <= 0.0 {
             // What a stop takes longer it may have lost as it brakes for it.
             let late_s = stop_late_s(self.vehicle);

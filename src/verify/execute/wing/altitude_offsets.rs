@@ -111,7 +111,8 @@ impl Pilot<'_> {
 
     /// For each leg the altitudes off its own line: at that of its end where the change is
     /// small and flown at once; below or above its line where it is a slope or follows one, by
-    /// the lag. Over followed ground no lag was measured and none is given.
+    /// the lag, which is longer downwards behind a climb on rotors until it has levelled. Over followed ground no lag
+    /// was measured and none is given.
     pub(crate) fn offset_lines(
         &self,
         knots: &[Knot],
@@ -120,6 +121,8 @@ impl Pilot<'_> {
         let mut all = Vec::new();
         // Their climb rates, and the lag that each leaves at its end.
         let (mut behind, mut lagged) = (Behind::default(), Behind::default());
+        // Upwards and downwards.
+        let mut lags_s = [self.lag_s, self.lag_s.max(self.transition_lag_s)];
         for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
             let mut lines = Vec::new();
             let line = self.trajectory.altitude_line(&pair[0], &pair[1])?;
@@ -131,11 +134,11 @@ impl Pilot<'_> {
             let flown_s = when.1 - when.0;
             let climb_m = both_ways(line.change_m());
             let rate_mps = climb_m.map(|climb_m| climb_m / flown_s);
-            let lasts_s = LASTS * self.lag_s;
+            let lasts_s = lags_s.map(|lag_s| LASTS * lag_s);
             // How much it climbs over the ground that it follows is not looked at.
             let lagged_m = match line.follows {
                 true => [f64::INFINITY; 2],
-                false => [0, 1].map(|way| climb_m[way].min(self.lag_s * rate_mps[way])),
+                false => [0, 1].map(|way| climb_m[way].min(lags_s[way] * rate_mps[way])),
             };
             if is_free || line.follows {
                 behind.0.clear();
@@ -143,14 +146,14 @@ impl Pilot<'_> {
                 let [before_up_mps, _] = behind.0.last().map_or([0.0; 2], |last| last.0);
                 let max_mps = [
                     rate_mps[0].max(before_up_mps),
-                    behind.values(1).fold(rate_mps[1], f64::max),
+                    behind.values(1, lasts_s).fold(rate_mps[1], f64::max),
                 ];
                 for (way, side) in [(0, -1.0), (1, 1.0)] {
                     // What each leg leaves is no more than it climbs, however steep.
                     let left_m = lagged
-                        .values(way)
+                        .values(way, lasts_s)
                         .fold(lagged_m[way], |sum_m, more_m| sum_m + more_m);
-                    let offset_m = side * (self.lag_s * max_mps[way]).min(left_m);
+                    let offset_m = side * (lags_s[way] * max_mps[way]).min(left_m);
                     if offset_m.abs() > TOLERANCE_M {
                         lines.push(line.raised(offset_m));
                     }
@@ -158,6 +161,9 @@ impl Pilot<'_> {
                 behind.go_on(rate_mps, flown_s, lasts_s);
             }
             lagged.go_on(lagged_m, flown_s, lasts_s);
+            if climb_m[1] <= 0.0 && flown_s > lasts_s[1] {
+                lags_s[1] = self.lag_s;
+            }
             all.push(lines);
         }
         Ok(all)
@@ -170,17 +176,22 @@ struct Behind(Vec<([f64; 2], f64)>);
 
 impl Behind {
     /// Adds a leg that took so long; those that ended long ago no longer count.
-    fn go_on(&mut self, value: [f64; 2], flown_s: f64, lasts_s: f64) {
+    fn go_on(&mut self, value: [f64; 2], flown_s: f64, lasts_s: [f64; 2]) {
         for (_, ago_s) in &mut self.0 {
             *ago_s += flown_s;
         }
         self.0.push((value, 0.0));
-        self.0.retain(|(_, ago_s)| *ago_s < lasts_s);
+        self.0
+            .retain(|(_, ago_s)| lasts_s.iter().any(|lasts_s| ago_s < lasts_s));
     }
 
     /// The figures one way: 0 up, 1 down.
-    fn values(&self, way: usize) -> impl Iterator<Item = f64> {
-        self.0.iter().map(move |(value, _)| value[way])
+    fn values(&self, way: usize, lasts_s: [f64; 2]) -> impl Iterator<Item = f64> {
+        let count = self
+            .0
+            .iter()
+            .filter(move |(_, ago_s)| *ago_s < lasts_s[way]);
+        count.map(move |(value, _)| value[way])
     }
 }
 

@@ -31,6 +31,9 @@ impl Pilot<'_> {
     /// little as long as it climbs, and the wind on its wing takes it anywhere. From the top it flies on
     /// where its nose points, and turns onto its first leg: until then it is within a hull.
     pub(crate) fn drift_up(&mut self, row: usize, top: PlanPoint) {
+        let behaviour = &self.vehicle.facts().behaviour;
+        let transition_lag_s = behaviour.transition_lag_s;
+        self.transition_lag_s = transition_lag_s.value(self.vehicle.autopilot_version);
         let rise_m = top.amsl.0 - self.home.amsl.0;
         let Some(region) = self.rotors.takeoff_region(rise_m) else {
             return;
