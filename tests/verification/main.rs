@@ -11,6 +11,7 @@ mod campaign;
 mod copter_corners;
 mod curves;
 mod domes;
+mod down_from_climb;
 mod early_climb;
 mod fences;
 mod lateness;

@@ -18,6 +18,8 @@ LEAST_AHEAD = 20.0
 ARDUPILOT_LAG_S, PX4_LAG_S = 3.3, 3.5
 # Above legs that come down from a climb on rotors (ArduPilot).
 TRANSITION_LAG_S = 17.0
+# Between a leg and the line off it.
+BETWEEN_M = 20.0
 OFF_M = 0.01  # less than this is no offset
 SMALL_CLIMB_M = 15.0
 
@@ -304,7 +306,7 @@ class WingFlight(ClimbOut, Circles, Flight):
             heights, rise, follows = [leg.height], leg.height.end - leg.height.start, leg.height.follows
             found.append(heights)
             behind = [(r, left, ago) for r, left, ago in behind if ago < 2 * max(self.lag, self.down)]
-            count = {way: [of for of in behind if of[2] < 2 * lag] for way, lag in (("up", self.lag), ("down", self.down))}
+            recent = {way: [of for of in behind if of[2] < 2 * lag] for way, lag in (("up", self.lag), ("down", self.down))}
             if b.slope_from is None and abs(rise) < self.small:
                 heights.append(Height(follows, leg.height.end, leg.height.end))
             rate = rise / max(lasts, 1e-9)
@@ -314,13 +316,15 @@ class WingFlight(ClimbOut, Circles, Flight):
             if b.slope_from is not None or follows:
                 rate, behind = None, [(None, before, ago) for _, before, ago in behind]
             else:
-                up, down = ([left] + [before for _, before, _ in count[way]] for way in ("up", "down"))
-                rates = [r for r, _, _ in count["down"] if r is not None]
+                up, down = ([left] + [before for _, before, _ in recent[way]] for way in ("up", "down"))
+                rates = [r for r, _, _ in recent["down"] if r is not None]
                 last = [r for r, _, _ in behind[-1:] if r is not None]
                 below = min(self.lag * max([rate, 0.0] + last), math.inf if math.inf in up else sum(m for m in up if m > 0))
                 above = min(-self.down * min([rate, 0.0] + rates), math.inf if math.inf in down else -sum(m for m in down if m < 0))
-                heights += [Height(False, leg.height.start + off, leg.height.end + off)
-                            for off in (-below, above) if abs(off) > OFF_M]
+                for off in (-below, above):
+                    steps = math.ceil(abs(off) / BETWEEN_M) if abs(off) > OFF_M else 0
+                    heights += [Height(False, leg.height.start + off * n / steps, leg.height.end + off * n / steps)
+                                for n in range(1, steps + 1)]
             behind = [(r, before, ago + lasts) for r, before, ago in behind] + [(rate, left, 0.0)]
             if rise >= 0 and lasts > 2 * self.down:
                 self.down = self.lag

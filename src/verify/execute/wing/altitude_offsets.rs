@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use crate::geodesy::{EastNorth, PlanPoint};
+use crate::numeric::geometry;
 
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
@@ -13,6 +14,8 @@ use crate::verify::measure::segment::Segment;
 
 /// A lag of a descent is still there after a leg for this many times the lag.
 const LASTS: f64 = 2.0;
+/// A vehicle may be anywhere between a leg and the line off it: lines in between are so far apart at most, metres.
+const APART_M: f64 = 20.0;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
 const TOLERANCE_M: f64 = 0.01;
 
@@ -155,7 +158,9 @@ impl Pilot<'_> {
                         .fold(lagged_m[way], |sum_m, more_m| sum_m + more_m);
                     let offset_m = side * (lags_s[way] * max_mps[way]).min(left_m);
                     if offset_m.abs() > TOLERANCE_M {
-                        lines.push(line.raised(offset_m));
+                        let steps = geometry::steps(offset_m.abs(), APART_M, (1, 20));
+                        let each_m = offset_m / f64::from(steps);
+                        lines.extend((1..=steps).map(|step| line.raised(f64::from(step) * each_m)));
                     }
                 }
                 behind.go_on(rate_mps, flown_s, lasts_s);
@@ -187,11 +192,8 @@ impl Behind {
 
     /// The figures one way: 0 up, 1 down.
     fn values(&self, way: usize, lasts_s: [f64; 2]) -> impl Iterator<Item = f64> {
-        let count = self
-            .0
-            .iter()
-            .filter(move |(_, ago_s)| *ago_s < lasts_s[way]);
-        count.map(move |(value, _)| value[way])
+        let recent = (self.0.iter()).filter(move |(_, ago_s)| *ago_s < lasts_s[way]);
+        recent.map(move |(value, _)| value[way])
     }
 }
 
