@@ -75,7 +75,7 @@ pub(super) struct Demand {
     pub down_m: Vec<f64>,
     /// What altitude costs at each sample, not negative.
     pub weights: Vec<f64>,
-    /// Ground under each sample, metres above the sea: what the floor is made of.
+    /// Ground under each sample, metres above the sea; once filled the floor before slopes raised it.
     pub ground_m: Vec<f64>,
     /// Scratch space for where pieces cross the edges of zones.
     pub crossings: Vec<(f64, i32)>,

@@ -98,11 +98,14 @@ pub(super) fn controls(line: &[Bend], radii_m: &[f64], span_m: f64) -> Option<Ve
         free.extend(leg((begin, apart_m(from)), (at_end, apart_m(to)), span_m));
         free.extend(end);
     }
-    let at = |at: Vector| EastNorth {
+    Some(free.into_iter().map(east_north).collect())
+}
+
+pub(super) fn east_north(at: Vector) -> EastNorth {
+    EastNorth {
         east_m: at.x,
         north_m: at.y,
-    };
-    Some(free.into_iter().map(at).collect())
+    }
 }
 
 pub(super) fn vector(at: EastNorth) -> Vector {
@@ -392,8 +395,13 @@ mod tests {
     /// The spline along a line of corners, sampled.
     fn path(line: &[EastNorth], radius_m: f64, span_m: f64) -> Vec<EastNorth> {
         let bends: Vec<Bend> = line.iter().map(|at| Bend::place(*at)).collect();
-        let free = controls(&bends, &vec![radius_m; bends.len()], span_m).expect("a belt");
-        let all = [&line[..1], &free, &line[line.len() - 1..]].concat();
+        along(&bends, radius_m, span_m)
+    }
+
+    /// The same along a line of bends.
+    fn along(line: &[Bend], radius_m: f64, span_m: f64) -> Vec<EastNorth> {
+        let free = controls(line, &vec![radius_m; line.len()], span_m).expect("a belt");
+        let all = [&[line[0].at], &free[..], &[line[line.len() - 1].at]].concat();
         let basis = Basis::uniform(all.len(), 40_001);
         let sampled =
             |of: fn(&EastNorth) -> f64| basis.sampled(&all.iter().map(of).collect::<Vec<f64>>());
@@ -444,14 +452,7 @@ mod tests {
                 circle,
                 Bend::place(at(500.0, 20.0)),
             ];
-            let free = controls(&line, &[20.0; 3], 30.0).expect("a belt");
-            let all = [&[line[0].at], &free[..], &[line[2].at]].concat();
-            let basis = Basis::uniform(all.len(), 40_001);
-            let sampled = |of: fn(&EastNorth) -> f64| {
-                basis.sampled(&all.iter().map(of).collect::<Vec<f64>>())
-            };
-            let (east, north) = (sampled(|at| at.east_m), sampled(|at| at.north_m));
-            let path: Vec<EastNorth> = east.into_iter().zip(north).map(|(e, n)| at(e, n)).collect();
+            let path = along(&line, 20.0, 30.0);
             // Before them and behind them the spline turns a little tighter.
             turns_no_tighter(&path, RADIUS_M / 1.06);
             let length_m: f64 = path.windows(2).map(|two| two[0].distance_m(two[1])).sum();

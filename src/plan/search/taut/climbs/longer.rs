@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector2;
 
-use super::super::belt::vector;
+use super::super::belt::{east_north, vector};
 use super::short::Short;
 use super::{Climbs, Held, Rounded};
 use crate::geodesy::EastNorth;
@@ -179,14 +179,13 @@ impl Climbs<'_> {
     /// where that crosses nothing closed.
     fn aside(&self, whole: &Rounded, piece: Piece, (by_m, radius_m): (f64, f64)) -> Vec<Rounded> {
         let (before, after) = piece.ends;
-        let along = vector(after) - vector(before);
-        let left = Vector2::new(-along.y, along.x).normalize();
+        let along = (vector(after) - vector(before)).normalize();
+        let left = Vector2::new(-along.y, along.x);
         let half_m = 0.5 * before.distance_m(after);
         let aside_m = (0.5 * by_m * (0.5 * by_m + 2.0 * half_m)).sqrt();
         let radius_m = radius_m.min(0.5 * aside_m).max(self.radius_m);
-        let along = along.normalize();
         // A turn that is wider than the piece is beside its middle.
-        let off_m = (radius_m + 1.0 - half_m).max(0.0);
+        let off_m = (radius_m + MIN_PIECE_M - half_m).max(0.0);
         let shifts_m = match off_m > 0.0 {
             true => vec![off_m, -off_m],
             false => vec![0.0],
@@ -232,13 +231,6 @@ struct Piece {
     ends: (EastNorth, EastNorth),
     /// Those of its ends that are not those of the leg.
     inner: [Option<EastNorth>; 2],
-}
-
-fn east_north(at: Vector2<f64>) -> EastNorth {
-    EastNorth {
-        east_m: at.x,
-        north_m: at.y,
-    }
 }
 
 /// A place between two others.
