@@ -167,9 +167,11 @@
 //! and still on the leg after, of a descent on the legs of the next 6.6 s: legs are judged there as well, in space, by the
 //! greatest of their own climb and those of the legs behind; by no more than their own and those of that time leave together,
 //! each its 3.3 s or all of its climb if that is less. Not where the ground is followed, nor where a climb-out or glide is
-//! judged by half of its height.
+//! judged by half of its height. The legs that are judged from the last place to the rim of a circle and to its middle are
+//! judged there likewise (from within the circle, its discs at the ends of these lines), and its rings by what is still left at the rim.
 //! A QuadPlane that descends from its climb has not come down yet while it accelerates: it is 17 s of its descent above those
-//! legs, and still on the legs of the next 34 s, until one of that length does not descend.
+//! legs, and still on the legs of the next 34 s, until one of that length does not descend. No higher than the ends of these legs
+//! and 3.3 s of their greatest descent: where the line above a leg is higher, it is level there.
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
 //! before it, by its sources.
 //!

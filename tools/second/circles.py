@@ -73,17 +73,23 @@ class Circles:
         self.legs(self.speed)
         for out in [last, *(self.knot_off(last, at, middle, amsl) for at in turned)]:
             self.lay(self.flat(out), middle, out.amsl, amsl)
+            for height in self.arrival:
+                self.lay_at(self.flat(out), middle, height, (self.gone(last, self.flat(out), middle), 1.0))
             if self.level > 0:
                 off = self.level + abs(self.left_of_climb(out, middle, amsl, 0.0))
                 for up in (-off, off):
                     self.lay(self.flat(out), middle, out.amsl + up, amsl + up)
         count = math.ceil(rim / BETWEEN_M)
         for k in range(1, min(count, 20) if not inside else 0):
-            self.lay(self.flat(last), edge + (middle - edge) * k / min(count, 20), last.amsl, amsl)
+            to = edge + (middle - edge) * k / min(count, 20)
+            self.lay(self.flat(last), to, last.amsl, amsl)
+            for height in self.arrival:
+                self.lay_at(self.flat(last), to, height, (0.0, 1.0))
         if inside:
             for motion in self.motions[first:]:
                 motion.wide = max(motion.wide, rim + 2 * self.turn_radius)
-            for height in (last.amsl, amsl):
+            ends = [min(end, height.top) for height in self.arrival for end in (height.start, height.end)]
+            for height in (last.amsl, amsl, *ends):
                 self.disc(middle, rim + 2 * self.turn_radius, height)
         return last, middle, edge
 
@@ -106,9 +112,17 @@ class Circles:
 
     def knot_off(self, last, at, middle, amsl):
         """A knot at a place beside the way from the last one, as high as that way is there."""
-        start = self.flat(last)
-        share = float(np.clip((at - start) @ (middle - start) / ((middle - start) @ (middle - start)), 0, 1))
+        share = self.gone(last, at, middle)
         return type(last)(self.plane.place(at), last.amsl + (amsl - last.amsl) * share, None, last.speed)
+
+    def off_at_rim(self, last, middle, amsl, rim):
+        """How far below and above its altitude it is there."""
+        late = self.left_of_climb(last, middle, amsl, rim)
+        return self.level + max(late, 0.0, self.still[0]), self.level + max(-late, 0.0, self.still[1])
+
+    def gone(self, last, at, middle):
+        start = self.flat(last)
+        return float(np.clip((at - start) @ (middle - start) / ((middle - start) @ (middle - start)), 0, 1))
 
     def left_of_climb(self, last, middle, amsl, rim):
         """What of a climb to the middle is left at the rim, with its lag; negative of a descent."""
@@ -148,7 +162,7 @@ class Circles:
         self.orbit(middle, edge, radius, amsl)
         rim = abs(radius)
         if self.wide > 0:
-            self.rings(middle, amsl, rim, self.wide, self.left_of_climb(last, middle, amsl, rim))
+            self.rings(middle, amsl, rim, self.wide, self.off_at_rim(last, middle, amsl, rim))
         point = Point(self.plane.place(middle), Height(False, amsl, amsl))
         self.judged.append(point)
         self.add(point, (0, 0), (0, 0), math.inf, (0.0, 0.0), rim + self.wide)
@@ -171,7 +185,7 @@ class Circles:
                 self.judged.append(Point(at, Height(False, last.amsl, amsl)))
             self.disc(middle, reach, last.amsl)
         if aligned:
-            self.rings(middle, amsl, rim, reach - rim, self.left_of_climb(last, middle, amsl, rim))
+            self.rings(middle, amsl, rim, reach - rim, self.off_at_rim(last, middle, amsl, rim))
         else:
             self.disc(middle, reach, amsl)
         self.knots = [type(last)(self.plane.place(middle), amsl, None, self.speed)]
@@ -196,11 +210,11 @@ class Circles:
             east = math.sqrt(max(radius**2 - north**2, 0.0))
             self.lay(middle + [-east, north], middle + [east, north], amsl, amsl)
 
-    def rings(self, middle, amsl, rim, wide, late):
+    def rings(self, middle, amsl, rim, wide, off):
         inner = max(rim - INSIDE_SHARE * self.turn_radius, 0.0)
         across = rim + wide - inner
         count = parts(across)
-        for up in (0.0, -self.level - max(late, 0.0), self.level - min(late, 0.0)):
+        for up in (0.0, -off[0], off[1]):
             for ring in range(count + 1):
                 radius = inner + across * ring / count
                 sides = parts(2 * math.pi * radius, 12)
@@ -261,14 +275,13 @@ class Circles:
 
     def along_leg(self, at, p, q, height):
         """From a place of the rim to the end of a leg, at the altitudes of the leg."""
-        value = lambda s: height.start + (height.end - height.start) * s
         gone = float((at - p) @ (q - p) / ((q - p) @ (q - p)))
         if gone >= 0:
-            self.lay(at, q, value(min(gone, 1.0)), height.end, None, height.follows)
+            self.lay_at(at, q, height, (min(gone, 1.0), 1.0))
         else:
             abeam = at + (q - at) * -gone / (1 - gone)
-            self.lay(at, abeam, height.start, height.start, None, height.follows)
-            self.lay(abeam, q, height.start, height.end, None, height.follows)
+            self.lay_at(at, abeam, height, (0.0, 0.0))
+            self.lay_at(abeam, q, height, (0.0, 1.0))
 
     def arrivals(self, hull, leg, flat, knots, heights, cruise):
         """The ways of the law that come to the end of the leg from either side of the hull."""

@@ -10,11 +10,19 @@ from .earth import A, axes, ecef, geodetic
 
 @dataclass
 class Height:
-    """Altitude along a shape: linear above the sea, or above the ground."""
+    """Altitude along a shape: linear above the sea, or above the ground, and level where that is above a top."""
 
     follows: bool
     start: float
     end: float
+    top: float = math.inf
+
+    def parts(self, start=0.0, end=1.0):
+        """From one share to another in straight pieces: the shares of the way at their ends, and the altitudes there."""
+        here, there = (self.start + (self.end - self.start) * s for s in (start, end))
+        at = (self.top - here) / (there - here) if there != here else -1.0
+        ends = [(0.0, min(here, self.top)), *([(at, self.top)] if 0 < at < 1 else []), (1.0, min(there, self.top))]
+        return zip(ends, ends[1:])
 
     def amsl(self, ground, lat, lon, s):
         value = self.start + (self.end - self.start) * s

@@ -1,7 +1,7 @@
 """The flight of a plane or VTOL judged in space, by the texts of src/verify/mod.rs and src/verify/execute/wing/mod.rs."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,16 @@ def read_params(path):
     rows = [line.replace(",", " ").split() for line in beside.read_text().splitlines()] if beside.exists() else []
     named = [row[2:4] if row[0].isdigit() else row[:2] for row in rows if row and row[0] != "#"]
     return {name: float(value) for name, value in named}
+
+
+@dataclass
+class Behind:
+    """Of a leg behind: its rate (none of a climb-out), the lag that it leaves, its highest altitude, and how long ago it ended."""
+
+    rate: float
+    left: float
+    high: float
+    ago: float = 0.0
 
 
 class Plane:
@@ -96,6 +106,11 @@ class WingFlight(ClimbOut, Circles, Flight):
         """A straight line to be judged in space, between places of the plane."""
         line = Line(self.plane.place(a), self.plane.place(b), Height(follows, low, high), slope_from)
         (self.judged if slope_from is None else self.slopes).append(line)
+
+    def lay_at(self, a, b, height, shares, slope_from=None):
+        """The same at the altitudes of a part of a leg."""
+        for (s, low), (t, high) in height.parts(*shares):
+            self.lay(a + (b - a) * s, b if t == 1 else a + (b - a) * t, low, high, slope_from, height.follows)
 
     def fly(self, items):
         vtol = self.vehicle["airframe"] == "vtol"
@@ -194,6 +209,7 @@ class WingFlight(ClimbOut, Circles, Flight):
     def legs(self, last_speed):
         """Flies the legs so far, and has a speed at the last knot."""
         knots, self.knots, first_speed = self.knots, self.knots[-1:], self.moving
+        self.arrival, self.still = [], (0.0, 0.0)
         if len(knots) < 2:
             return
         self.moving = last_speed
@@ -223,9 +239,8 @@ class WingFlight(ClimbOut, Circles, Flight):
         heights = self.offsets(knots, legs, times)
         self.down = self.lag
         for leg, others in zip(legs, heights):
-            ends = leg.start, leg.end
             for height in others[1:]:
-                self.judged.append(line_between(ends, leg.length, height))
+                self.judged += lines_along(leg, height)
         if not self.ardupilot:
             self.early(knots, legs)
         if self.law:
@@ -301,34 +316,41 @@ class WingFlight(ClimbOut, Circles, Flight):
 
     def offsets(self, knots, legs, times):
         """For each leg its own altitudes, those of its end where it climbs little, and those of the lag."""
-        behind, found = [], []  # of each leg: its rate (none of a climb-out), the lag that it leaves, and how long ago it ended
-        for b, leg, lasts in zip(knots[1:], legs, times):
+        behind, found = [], []
+        for a, b, leg, lasts in zip(knots, knots[1:], legs, times):
             heights, rise, follows = [leg.height], leg.height.end - leg.height.start, leg.height.follows
             found.append(heights)
-            behind = [(r, left, ago) for r, left, ago in behind if ago < 2 * max(self.lag, self.down)]
-            recent = {way: [of for of in behind if of[2] < 2 * lag] for way, lag in (("up", self.lag), ("down", self.down))}
             if b.slope_from is None and abs(rise) < self.small:
                 heights.append(Height(follows, leg.height.end, leg.height.end))
             rate = rise / max(lasts, 1e-9)
             # Of what it climbs over followed ground nothing is known.
             lag = self.down if rise < 0 else self.lag
             left = math.inf if follows else math.copysign(min(abs(rise), lag * abs(rate)), rise)
+            high = math.inf if follows else max(a.amsl, b.amsl)
             if b.slope_from is not None or follows:
-                rate, behind = None, [(None, before, ago) for _, before, ago in behind]
+                rate, behind = None, [replace(of, rate=None) for of in behind]
             else:
-                up, down = ([left] + [before for _, before, _ in recent[way]] for way in ("up", "down"))
-                rates = [r for r, _, _ in recent["down"] if r is not None]
-                last = [r for r, _, _ in behind[-1:] if r is not None]
-                below = min(self.lag * max([rate, 0.0] + last), math.inf if math.inf in up else sum(m for m in up if m > 0))
-                above = min(-self.down * min([rate, 0.0] + rates), math.inf if math.inf in down else -sum(m for m in down if m < 0))
+                below, above, top = self.lagging(behind, rate, left, high)
                 for off in (-below, above):
                     steps = math.ceil(abs(off) / BETWEEN_M) if abs(off) > OFF_M else 0
-                    heights += [Height(False, leg.height.start + off * n / steps, leg.height.end + off * n / steps)
+                    heights += [Height(False, leg.height.start + off * n / steps, leg.height.end + off * n / steps, top)
                                 for n in range(1, steps + 1)]
-            behind = [(r, before, ago + lasts) for r, before, ago in behind] + [(rate, left, 0.0)]
+            behind = [replace(of, ago=of.ago + lasts) for of in behind] + [Behind(rate, left, high)]
             if rise >= 0 and lasts > 2 * self.down:
                 self.down = self.lag
+        below, above, top = self.lagging(behind, 0.0, 0.0, knots[-1].amsl)
+        self.arrival, self.still = found[-1][1:], (below, min(above, top - knots[-1].amsl))
         return found
+
+    def lagging(self, behind, rate, left, high):
+        """How far below and above its altitudes it is on a leg, and how high at most."""
+        up, down = ([of for of in behind if of.ago < 2 * lag] for lag in (self.lag, self.down))
+        last = [of.rate for of in behind[-1:] if of.rate is not None]
+        steepest = -min([rate, 0.0] + [of.rate for of in down if of.rate is not None])
+        lefts = [[left] + [of.left for of in ones] for ones in (up, down)]
+        below = min(self.lag * max([rate, 0.0] + last), math.inf if math.inf in lefts[0] else sum(m for m in lefts[0] if m > 0))
+        above = min(self.down * steepest, math.inf if math.inf in lefts[1] else -sum(m for m in lefts[1] if m < 0))
+        return below, above, max([high] + [of.high for of in down]) + self.lag * steepest
 
     def early(self, knots, legs):
         """PX4: at the altitude of a place a loiter radius before it."""
@@ -351,11 +373,12 @@ class WingFlight(ClimbOut, Circles, Flight):
             p, q = flat[leg], flat[leg + 1]
             shares = [float(np.clip((x - p) @ (q - p) / ((q - p) @ (q - p)), 0, 1)) for x in (a, b)]
             for height in heights[leg]:
-                ends = [height.start + (height.end - height.start) * s for s in shares]
-                self.lay(a, b, *ends, knots[leg + 1].slope_from, height.follows)
+                self.lay_at(a, b, height, shares, knots[leg + 1].slope_from)
 
 
-def line_between(ends, length, height):
-    line = Line.__new__(Line)
-    (line.start, line.end), line.length, line.height, line.slope_from = ends, length, height, None
-    return line
+def lines_along(leg, height):
+    for (s, low), (t, high) in height.parts():
+        line = Line.__new__(Line)
+        (line.start, line.end), line.length = (leg.xyz(u) for u in (s, t)), leg.length * (t - s)
+        line.height, line.slope_from = Height(height.follows, low, high), None
+        yield line

@@ -24,7 +24,7 @@ use super::flight::{EarlyTop, End, Flight, Hull, Last, Mark};
 use super::item::{self, Height, Order};
 use super::legs::Knot;
 use super::trajectory::TrajectoryBuilder;
-use super::wing::altitude_lag;
+use super::wing::altitude_lag::{self, Arrival};
 use super::wing::circle_radius::Widening;
 use super::wing::guidance::Guidance;
 use crate::verify::measure::segment::Phase;
@@ -90,6 +90,7 @@ pub(crate) fn fly(
         }),
         lag_s: altitude_lag::lag_s(mission),
         transition_lag_s: 0.0,
+        arrival: Arrival::default(),
         early_m: altitude_lag::early_m(vehicle, mission),
         circle_m: None,
         tangent: None,
@@ -159,6 +160,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) lag_s: f64,
     /// The same above legs that descend from a climb on rotors, until it flies these.
     pub(crate) transition_lag_s: f64,
+    /// What the last legs left.
+    pub(crate) arrival: Arrival,
     /// So far before a waypoint it has its altitude, metres.
     pub(crate) early_m: f64,
     /// The radius of the circle before on rotors, metres.

@@ -38,22 +38,61 @@ pub(crate) struct TrajectoryBuilder<'a> {
     pub(crate) early_s: f64,
 }
 
+/// A segment, and its altitudes at both ends, metres.
+type Laid = (Segment, (f64, f64));
+
 /// Altitude along a leg: a straight line above the sea, or above the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AltitudeLine {
     pub(crate) follows: bool,
     /// At the ends, metres.
     value_m: (f64, f64),
+    /// Where the line is above it, it is level here, metres.
+    top_m: f64,
 }
 
 impl AltitudeLine {
     /// From one value to another, metres: heights above the ground if it follows that.
     pub(crate) fn between(follows: bool, value_m: (f64, f64)) -> Self {
-        Self { follows, value_m }
+        Self {
+            follows,
+            value_m,
+            top_m: f64::INFINITY,
+        }
     }
 
     fn value_m(&self, fraction: f64) -> f64 {
         self.value_m.0 + (self.value_m.1 - self.value_m.0) * fraction
+    }
+
+    /// The altitudes at its ends, metres.
+    pub(crate) fn ends_m(&self) -> (f64, f64) {
+        let (from_m, to_m) = self.value_m;
+        (from_m.min(self.top_m), to_m.min(self.top_m))
+    }
+
+    /// A segment along the line and the altitudes at its ends, metres: two where it is level in part.
+    fn in_parts(&self, segment: Segment) -> (Laid, Option<Laid>) {
+        let ends_m = self.ends_m();
+        let u = (self.top_m - self.value_m.0) / self.change_m();
+        if !(0.0 < u && u < 1.0) {
+            return ((segment, ends_m), None);
+        }
+        let (at, t_s) = (segment.at(u), segment.time_s(u));
+        let first = Segment {
+            to: at,
+            to_s: t_s,
+            ..segment
+        };
+        let last = Segment {
+            from: at,
+            from_s: t_s,
+            ..segment
+        };
+        (
+            (first, (ends_m.0, self.top_m)),
+            Some((last, (self.top_m, ends_m.1))),
+        )
     }
 
     /// From one end to the other, metres.
@@ -66,26 +105,31 @@ impl AltitudeLine {
         self.part((1.0, 1.0))
     }
 
+    /// Level where it is above a height, metres.
+    pub(crate) fn below(&self, top_m: f64) -> Self {
+        Self { top_m, ..*self }
+    }
+
     /// The slope that is at the altitude of the end after a part of the leg already.
     pub(crate) fn steeper(&self, fraction: f64) -> Self {
         Self {
-            follows: self.follows,
             value_m: (self.value_m.0, self.value_m.0 + self.change_m() / fraction),
+            ..*self
         }
     }
 
     /// The line raised by a height, metres.
     pub(crate) fn raised(&self, by_m: f64) -> Self {
         Self {
-            follows: self.follows,
             value_m: (self.value_m.0 + by_m, self.value_m.1 + by_m),
+            ..*self
         }
     }
 
     fn part(&self, (from, to): (f64, f64)) -> Self {
         Self {
-            follows: self.follows,
             value_m: (self.value_m(from), self.value_m(to)),
+            ..*self
         }
     }
 }
@@ -204,10 +248,8 @@ impl<'a> TrajectoryBuilder<'a> {
         };
         let (leave, join) = piece.fraction;
         let (start, end) = (piece.shape.at(0.0), piece.shape.at(1.0));
-        Ok(AltitudeLine {
-            follows,
-            value_m: (end_m(here, leave, start)?, end_m(there, join, end)?),
-        })
+        let value_m = (end_m(here, leave, start)?, end_m(there, join, end)?);
+        Ok(AltitudeLine::between(follows, value_m))
     }
 
     /// The ends of the two legs at a fillet, up to the corner itself.
@@ -299,11 +341,14 @@ impl<'a> TrajectoryBuilder<'a> {
             amsl: Amsl(amsl_m),
         };
         if !line.follows {
-            self.segments.push(Segment {
-                from: raised(segment.from.at, line.value_m.0),
-                to: raised(segment.to.at, line.value_m.1),
-                ..segment
-            });
+            let (first, last) = line.in_parts(segment);
+            for (part, (from_m, to_m)) in std::iter::once(first).chain(last) {
+                self.segments.push(Segment {
+                    from: raised(part.from.at, from_m),
+                    to: raised(part.to.at, to_m),
+                    ..part
+                });
+            }
             return Ok(());
         }
         let from = (segment.from.at, self.frame.from_plan(segment.from.at));
@@ -373,17 +418,14 @@ impl<'a> TrajectoryBuilder<'a> {
     /// Altitude along the leg between two knots.
     pub(crate) fn altitude_line(&self, from: &Knot, to: &Knot) -> Result<AltitudeLine, Unknown> {
         let Some(agl_m) = to.agl_m else {
-            return Ok(AltitudeLine {
-                follows: false,
-                value_m: (from.amsl_m, to.amsl_m),
-            });
+            let value_m = (from.amsl_m, to.amsl_m);
+            return Ok(AltitudeLine::between(false, value_m));
         };
         let ground_m = self.ground_m(to.row, self.frame.from_plan(from.at))?;
-        Ok(AltitudeLine {
-            follows: true,
-            value_m: (from.amsl_m - ground_m, agl_m),
-        })
+        let value_m = (from.amsl_m - ground_m, agl_m);
+        Ok(AltitudeLine::between(true, value_m))
     }
+
     pub(crate) fn ground_m(&self, row: usize, place: LatLon) -> Result<f64, Unknown> {
         self.surface
             .height_m(place)

@@ -10,6 +10,7 @@ use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::{Legs, Rest, Slope};
 use crate::verify::execute::legs::{self, Knot, Run};
 use crate::verify::execute::trajectory::AltitudeLine;
+use crate::verify::execute::wing::altitude_lag::Arrival;
 use crate::verify::measure::segment::Column;
 use crate::world::Departure;
 
@@ -107,6 +108,7 @@ impl Pilot<'_> {
     /// Flies the legs that were gathered, and has a speed at the last knot.
     pub(crate) fn fly_to_last(&mut self, last_mps: f64) -> Result<(), Unknown> {
         let first_mps = self.moving_mps;
+        self.arrival = Arrival::default();
         let knots = std::mem::take(&mut self.knots);
         if let Some(&last) = knots.last() {
             self.knots = vec![last];

@@ -12,8 +12,8 @@ use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::measure::segment::Segment;
 
-/// A lag of a descent is still there after a leg for this many times the lag.
-const LASTS: f64 = 2.0;
+use super::altitude_lag::{Arrival, Lag};
+
 /// A vehicle may be anywhere between a leg and the line off it: lines in between are so far apart at most, metres.
 const APART_M: f64 = 20.0;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
@@ -27,13 +27,17 @@ impl Pilot<'_> {
         knots: &[Knot],
         firsts: &[usize],
     ) -> Result<(), Unknown> {
-        let lines = self.offset_lines(knots, firsts)?;
+        let (mut lines, left_m) = self.offset_lines(knots, firsts)?;
         for ((pair, when), lines) in knots.windows(2).zip(self.times_s(firsts)).zip(&lines) {
             for line in lines {
                 self.trajectory
                     .lay_unflown((&pair[0], &pair[1]), when, line)?;
             }
         }
+        self.arrival = Arrival {
+            lines: lines.pop().unwrap_or_default(),
+            left_m,
+        };
         if self.early_m > 0.0 {
             let last = self.trajectory.segments.len();
             for ((leg, pair), when) in knots.windows(2).enumerate().zip(self.times_s(firsts)) {
@@ -41,6 +45,14 @@ impl Pilot<'_> {
                 let next = firsts.get(leg + 1).copied().unwrap_or(last);
                 self.widen_early(firsts[leg]..next, pair);
             }
+        }
+        Ok(())
+    }
+
+    /// Lays a way beside the last leg from a share of it, where the vehicle may be over or under its line.
+    pub(super) fn lay_arrival(&mut self, segment: Segment, share: f64) -> Result<(), Unknown> {
+        for line in &self.arrival.lines {
+            self.trajectory.lay_aside(segment, (share, 1.0), line)?;
         }
         Ok(())
     }
@@ -105,7 +117,7 @@ impl Pilot<'_> {
         knots: &[Knot],
         firsts: &[usize],
     ) -> Result<Vec<Vec<AltitudeLine>>, Unknown> {
-        let mut all = self.offset_lines(knots, firsts)?;
+        let mut all = self.offset_lines(knots, firsts)?.0;
         for (lines, pair) in all.iter_mut().zip(knots.windows(2)) {
             lines.push(self.trajectory.altitude_line(&pair[0], &pair[1])?);
         }
@@ -115,17 +127,14 @@ impl Pilot<'_> {
     /// For each leg the altitudes off its own line: at that of its end where the change is
     /// small and flown at once; below or above its line where it is a slope or follows one, by
     /// the lag, which is longer downwards behind a climb on rotors until it has levelled. Over followed ground no lag
-    /// was measured and none is given.
+    /// was measured and none is given. Besides, how far below and above its altitude it still is behind them, metres.
     pub(crate) fn offset_lines(
         &self,
         knots: &[Knot],
         firsts: &[usize],
-    ) -> Result<Vec<Vec<AltitudeLine>>, Unknown> {
+    ) -> Result<(Vec<Vec<AltitudeLine>>, [f64; 2]), Unknown> {
         let mut all = Vec::new();
-        // Their climb rates, and the lag that each leaves at its end.
-        let (mut behind, mut lagged) = (Behind::default(), Behind::default());
-        // Upwards and downwards.
-        let mut lags_s = [self.lag_s, self.lag_s.max(self.transition_lag_s)];
+        let mut lag = Lag::new(self.lag_s, self.transition_lag_s);
         for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
             let mut lines = Vec::new();
             let line = self.trajectory.altitude_line(&pair[0], &pair[1])?;
@@ -134,70 +143,24 @@ impl Pilot<'_> {
             if !is_free && line.change_m().abs() < self.at_once_m {
                 lines.push(line.end());
             }
-            let flown_s = when.1 - when.0;
-            let climb_m = both_ways(line.change_m());
-            let rate_mps = climb_m.map(|climb_m| climb_m / flown_s);
-            let lasts_s = lags_s.map(|lag_s| LASTS * lag_s);
-            // How much it climbs over the ground that it follows is not looked at.
-            let lagged_m = match line.follows {
-                true => [f64::INFINITY; 2],
-                false => [0, 1].map(|way| climb_m[way].min(lags_s[way] * rate_mps[way])),
-            };
-            if is_free || line.follows {
-                behind.0.clear();
-            } else {
-                let [before_up_mps, _] = behind.0.last().map_or([0.0; 2], |last| last.0);
-                let max_mps = [
-                    rate_mps[0].max(before_up_mps),
-                    behind.values(1, lasts_s).fold(rate_mps[1], f64::max),
-                ];
-                for (way, side) in [(0, -1.0), (1, 1.0)] {
-                    // What each leg leaves is no more than it climbs, however steep.
-                    let left_m = lagged
-                        .values(way, lasts_s)
-                        .fold(lagged_m[way], |sum_m, more_m| sum_m + more_m);
-                    let offset_m = side * (lags_s[way] * max_mps[way]).min(left_m);
-                    if offset_m.abs() > TOLERANCE_M {
-                        let steps = geometry::steps(offset_m.abs(), APART_M, (1, 20));
-                        let each_m = offset_m / f64::from(steps);
-                        lines.extend((1..=steps).map(|step| line.raised(f64::from(step) * each_m)));
+            let leg = lag.leg(&line, when.1 - when.0, pair);
+            if !is_free && !line.follows {
+                let (offs_m, top_m) = lag.offsets_m(&leg);
+                for off_m in [-offs_m[0], offs_m[1]] {
+                    if off_m.abs() > TOLERANCE_M {
+                        let steps = geometry::steps(off_m.abs(), APART_M, (1, 20));
+                        let each_m = off_m / f64::from(steps);
+                        lines.extend((1..=steps).map(|step| {
+                            let raised = line.raised(f64::from(step) * each_m);
+                            raised.below(top_m)
+                        }));
                     }
                 }
-                behind.go_on(rate_mps, flown_s, lasts_s);
             }
-            lagged.go_on(lagged_m, flown_s, lasts_s);
-            if climb_m[1] <= 0.0 && flown_s > lasts_s[1] {
-                lags_s[1] = self.lag_s;
-            }
+            lag.go_on(&leg, is_free);
             all.push(lines);
         }
-        Ok(all)
+        let left_m = knots.last().map_or([0.0; 2], |end| lag.left_m(end));
+        Ok((all, left_m))
     }
-}
-
-/// A figure of the legs behind, up and down, and how long ago each ended, seconds.
-#[derive(Default)]
-struct Behind(Vec<([f64; 2], f64)>);
-
-impl Behind {
-    /// Adds a leg that took so long; those that ended long ago no longer count.
-    fn go_on(&mut self, value: [f64; 2], flown_s: f64, lasts_s: [f64; 2]) {
-        for (_, ago_s) in &mut self.0 {
-            *ago_s += flown_s;
-        }
-        self.0.push((value, 0.0));
-        self.0
-            .retain(|(_, ago_s)| lasts_s.iter().any(|lasts_s| ago_s < lasts_s));
-    }
-
-    /// The figures one way: 0 up, 1 down.
-    fn values(&self, way: usize, lasts_s: [f64; 2]) -> impl Iterator<Item = f64> {
-        let recent = (self.0.iter()).filter(move |(_, ago_s)| *ago_s < lasts_s[way]);
-        recent.map(move |(value, _)| value[way])
-    }
-}
-
-/// A climb up and down: only one of them is more than 0.
-fn both_ways(climb: f64) -> [f64; 2] {
-    [climb.max(0.0), (-climb).max(0.0)]
 }

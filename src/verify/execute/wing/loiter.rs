@@ -104,8 +104,8 @@ impl Pilot<'_> {
         if !is_aligned {
             self.lay_disc(row, over, reach_m, times_s);
         } else if self.circle_wide_m() > 0.0 {
-            let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));
-            self.lay_rings((row, over), [rim_m, reach_m - rim_m], late_m, times_s);
+            let off_m = self.off_at_rim_m(&from, middle, (rim.amsl_m, rim_m));
+            self.lay_rings((row, over), [rim_m, reach_m - rim_m], off_m, times_s);
         }
         self.leave(Knot { at: middle, ..rim }, hull);
         Ok(())
@@ -213,13 +213,12 @@ impl Pilot<'_> {
     }
 
     /// Lays rings around a circle, to be judged in space, from inside of it to a distance beyond its radius, at its
-    /// altitude and where the wing may be below and above that, with what is left there of its climb
-    /// (metres, negative of a descent).
+    /// altitude and where the wing may be below and above that, metres.
     pub(super) fn lay_rings(
         &mut self,
         at: (usize, PlanPoint),
         radii_m: [f64; 2],
-        late_m: f64,
+        [low_m, high_m]: [f64; 2],
         times_s: (f64, f64),
     ) {
         let ((row, over), [rim_m, wide_m]) = (at, radii_m);
@@ -227,8 +226,6 @@ impl Pilot<'_> {
         let radius_m = (rim_m - INSIDE_SHARE * turn_radius_m).max(0.0);
         let wide_m = wide_m + rim_m - radius_m;
         let rings = steps(wide_m);
-        let off_m = self.circle_level_m();
-        let (low_m, high_m) = (off_m + late_m.max(0.0), off_m - late_m.min(0.0));
         for up_m in [0.0, -low_m, high_m] {
             let over = over.raised(up_m);
             for ring in 0..=rings {

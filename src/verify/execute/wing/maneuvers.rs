@@ -15,6 +15,7 @@ use crate::verify::execute::executor::{Pilot, SAME_PLACE_M};
 use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark, Round};
 use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed, turn_radius_at_m};
+use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::limits::space::SLOPE_SHARE;
 use crate::verify::measure::segment::{Column, Phase, Segment};
 use crate::world::Terrain;
@@ -266,7 +267,7 @@ impl Pilot<'_> {
         let radius_m = self.flown_radius_m((row, place, height), radius_m)?;
         let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
         let rim_m = radius_m.abs();
-        let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));
+        let off_m = self.off_at_rim_m(&from, middle, (rim.amsl_m, rim_m));
         let (first, wide_m) = (self.trajectory.segments.len(), self.circle_wide_m());
         self.orbit(row, middle, rim, radius_m)?;
         let over = PlanPoint {
@@ -276,7 +277,7 @@ impl Pilot<'_> {
         if wide_m > 0.0 {
             self.widen_from(first, wide_m);
             let times_s = (self.trajectory.t_s, self.trajectory.t_s);
-            self.lay_rings((row, over), [rim_m, wide_m], late_m, times_s);
+            self.lay_rings((row, over), [rim_m, wide_m], off_m, times_s);
         }
         self.flight.route.push(Mark {
             point: over,
@@ -338,8 +339,8 @@ impl Pilot<'_> {
         self.append(rim)?;
         let speed_mps = rim.speed_mps;
         self.fly_to_last(speed_mps)?;
-        self.straight_in(row, from, middle, amsl_m);
-        self.lay_between(from, &rim, (middle, rim_m));
+        self.straight_in(row, (from, 0.0), middle, amsl_m)?;
+        self.lay_between(from, &rim, (middle, rim_m))?;
         for at in turned {
             let share = share(from.at, middle, at);
             let out = Knot {
@@ -347,21 +348,35 @@ impl Pilot<'_> {
                 amsl_m: from.amsl_m + (amsl_m - from.amsl_m) * share,
                 ..from
             };
-            self.straight_in(row, out, middle, amsl_m);
+            self.straight_in(row, (out, share), middle, amsl_m)?;
         }
         if let Some(reach_m) = within {
             self.widen_from(first, reach_m);
-            let times_s = (self.trajectory.t_s, self.trajectory.t_s);
-            for amsl in [Amsl(from.amsl_m), Amsl(amsl_m)] {
-                self.lay_disc(row, PlanPoint { at: middle, amsl }, reach_m, times_s);
-            }
+            self.lay_discs((row, middle), (from.amsl_m, amsl_m), reach_m);
         }
         Ok((middle, rim))
     }
 
+    /// Lays discs around the middle of a circle, at the altitudes at both ends of the way there.
+    fn lay_discs(&mut self, at: (usize, EastNorth), ends_m: (f64, f64), reach_m: f64) {
+        let ((row, middle), t_s) = (at, self.trajectory.t_s);
+        let lines = self.arrival.lines.iter().map(AltitudeLine::ends_m);
+        let altitudes_m: Vec<_> = std::iter::once(ends_m).chain(lines).collect();
+        for altitude_m in altitudes_m.into_iter().flat_map(<[f64; 2]>::from) {
+            let amsl = Amsl(altitude_m);
+            self.lay_disc(row, PlanPoint { at: middle, amsl }, reach_m, (t_s, t_s));
+        }
+    }
+
     /// How an autopilot comes to the rim is its own affair: somewhere between the tangent and
-    /// the straight way to the middle, which is judged in space alone.
-    fn straight_in(&mut self, row: usize, from: Knot, middle: EastNorth, amsl_m: f64) {
+    /// the straight way to the middle, which is judged in space alone. `share`: of the way that is behind it.
+    fn straight_in(
+        &mut self,
+        row: usize,
+        (from, share): (Knot, f64),
+        middle: EastNorth,
+        amsl_m: f64,
+    ) -> Result<(), Unknown> {
         let t_s = self.trajectory.t_s;
         let to = PlanPoint {
             at: middle,
@@ -369,9 +384,10 @@ impl Pilot<'_> {
         };
         let segment = Segment::unflown((row, self.phase), (t_s, t_s), (from.point(), to));
         self.trajectory.segments.push(segment);
+        self.lay_arrival(segment, share)?;
         let level_m = self.circle_level_m();
         if level_m <= 0.0 {
-            return;
+            return Ok(());
         }
         let off_m = level_m + self.climbs_late_m(&from, middle, (amsl_m, 0.0)).abs();
         for up_m in [-off_m, off_m] {
@@ -379,15 +395,21 @@ impl Pilot<'_> {
             let segment = Segment::unflown((row, self.phase), (t_s, t_s), ends);
             self.trajectory.segments.push(segment);
         }
+        Ok(())
     }
 
     /// The ways between the tangent and the straight way to the middle, to be judged in space: PX4 1.17 flew up
     /// to 17 m from both.
-    fn lay_between(&mut self, from: Knot, rim: &Knot, (middle, rim_m): (EastNorth, f64)) {
+    fn lay_between(
+        &mut self,
+        from: Knot,
+        rim: &Knot,
+        (middle, rim_m): (EastNorth, f64),
+    ) -> Result<(), Unknown> {
         let t_s = self.trajectory.t_s;
         let inside = Knot { at: middle, ..*rim };
         if from.at.distance_m(middle) <= rim_m {
-            return;
+            return Ok(());
         }
         let steps = geometry::steps(rim_m, BETWEEN_M, (1, 20));
         for step in 1..steps {
@@ -395,7 +417,17 @@ impl Pilot<'_> {
             let ends = (from.point(), to);
             let segment = Segment::unflown((rim.row, self.phase), (t_s, t_s), ends);
             self.trajectory.segments.push(segment);
+            self.lay_arrival(segment, 0.0)?;
         }
+        Ok(())
+    }
+
+    /// How far below and above its altitude a wing is at the rim of a circle, metres.
+    pub(super) fn off_at_rim_m(&self, from: &Knot, middle: EastNorth, rim: (f64, f64)) -> [f64; 2] {
+        let late_m = self.climbs_late_m(from, middle, rim);
+        let [below_m, above_m] = self.arrival.left_m;
+        [late_m.max(below_m), (-late_m).max(above_m)]
+            .map(|off_m| self.circle_level_m() + off_m.max(0.0))
     }
 
     /// How much of a climb to a circle is left at its rim, negative of a descent, metres: it leads to the

@@ -45,8 +45,8 @@
 //! that is more (`AP_L1_Control::loiter_radius`).
 //!
 //! **On a circle.** The orbit. Rings from `r - 0.2 R` to `r + 0.75 R` (a plane of PX4: `r + 0.25 R`, its VTOL none), or `1.2 r` of one that
-//! ArduPlane leaves if that is more: at the altitude of the circle, 6 m (PX4: 3 m) and what is left of a climb lower,
-//! as much and what is left of a descent higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
+//! ArduPlane leaves if that is more: at the altitude of the circle, 6 m (PX4: 3 m) and what is left of a climb or
+//! of the lag of the legs before it lower, as much and what is left of a descent or of that lag higher. A circle to an altitude: columns around it, and a disc at the altitude before. A
 //! circle that is not left towards a place further away than `r`, and any of PX4 that is left: a disc of `r + 2 R`.
 //!
 //! **Off a circle or a climb on rotors.** From the rim of the region straight to the next place, from the altitude
