@@ -678,3 +678,29 @@ fn the_inspection_mission_makes_its_stops_and_takes_its_pictures() {
         );
     }
 }
+
+#[test]
+fn an_item_that_is_reached_beside_a_stop_is_not_of_it() {
+    let alpha = aside(Autopilot::ArduPilot, |end| Stop::passing("yard", end));
+    let plan = plan(vec![alpha], OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    // The next item is a few metres on.
+    sky.down = Some(Box::new(|_, from, message| {
+        let next = match &message {
+            Message::Flight(FlightMessage::ItemReached { seq: 5 }) => {
+                Some(Message::Flight(FlightMessage::ItemReached { seq: 6 }))
+            }
+            _ => None,
+        };
+        let all = std::iter::once(message).chain(next);
+        all.map(|message| (from, message)).collect()
+    }));
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let reached = |item: u32| {
+        let of = format!("item {item} reached");
+        let said = sky.events.iter().find(|event| event.text.starts_with(&of));
+        said.map(|event| event.text.clone()).unwrap_or_default()
+    };
+    assert_eq!(reached(5), "item 5 reached (stop yard)");
+    assert_eq!(reached(6), "item 6 reached");
+}

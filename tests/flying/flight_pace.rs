@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::flight_truth::{sky as sky_of, two};
 use crate::support::{doctored, sky};
 use doctored::{failed, moved, says};
-use sky::{Sky, plan_shipped};
+use sky::{Planned, Sky, plan_shipped};
 use sortie::flight::*;
 use sortie::verify::{Flown, Limit};
 
@@ -112,6 +112,40 @@ fn a_vehicle_whose_clock_slips_behind_that_of_the_fleet_was_not_silent() {
         flown.fixes.drain(half..half + 40);
     });
     assert!(says(&holed, "alpha", gap), "{holed:?}");
+}
+
+/// The flight of two whose simulators live so much of each 20 ms from T0 + 5 s on.
+fn slowed(plan: &Planned, lives_ms: u64) -> Sky<'_> {
+    let mut sky = sky_of(plan);
+    sky.fly_to(5.0);
+    sky.lives_ms = lives_ms;
+    assert_eq!(sky.fly_out(), Outcome::Flown);
+    sky
+}
+
+#[test]
+fn who_is_late_because_its_simulator_falls_behind_the_clock_ends_its_flight() {
+    let plan = two();
+    let sky = slowed(&plan, 9);
+    // Later than any vehicle may be in its own time.
+    let ends_s = plan.references()[0].end_s;
+    let t_s = sky
+        .events
+        .last()
+        .and_then(|event| event.t_s)
+        .expect("a flight");
+    assert!(t_s > 1.25 * ends_s + 90.0, "{t_s} s");
+    for index in [0, 1] {
+        assert_eq!(sky.end(index), End::Landed, "{:?}", sky.events);
+    }
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    // One that hardly lives is given up all the same.
+    let sky = slowed(&plan, 1);
+    for (index, id) in ["alpha", "bravo"].into_iter().enumerate() {
+        assert!(matches!(sky.end(index), End::Failed(_)), "{:?}", sky.events);
+        assert!(sky.says(id, "has not ended its flight"), "{:?}", sky.events);
+    }
 }
 
 #[test]

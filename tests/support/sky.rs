@@ -253,6 +253,9 @@ pub struct Sky<'a> {
     pub now: Time,
     /// How much faster than this clock the time of the vehicles goes.
     pub speedup: u64,
+    /// How much of each 20 ms they live, and what they lost, milliseconds.
+    pub lives_ms: u64,
+    lost_ms: u64,
     /// System ids that cannot be heard and do not hear.
     pub cut: Vec<u8>,
     pub events: Vec<Event>,
@@ -270,6 +273,8 @@ impl<'a> Sky<'a> {
             vehicles,
             now: Time(0),
             speedup: 1,
+            lives_ms: 20,
+            lost_ms: 0,
             cut: Vec::new(),
             events: Vec::new(),
             capture: Vec::new(),
@@ -287,7 +292,7 @@ impl<'a> Sky<'a> {
 
     pub fn step(&mut self) {
         self.now = self.now + 20;
-        let own = Time(self.now.0 * self.speedup);
+        let own = self.vehicles_now();
         self.fleet.handle_timeout(self.now);
         while let Some((system, message)) = self.fleet.poll_transmit() {
             let answers = self
@@ -324,6 +329,12 @@ impl<'a> Sky<'a> {
         }
         self.events
             .extend(std::iter::from_fn(|| self.fleet.poll_event()));
+    }
+
+    /// The time of the vehicles.
+    fn vehicles_now(&mut self) -> Time {
+        self.lost_ms += 20 - self.lives_ms;
+        Time((self.now.0 - self.lost_ms) * self.speedup)
     }
 
     /// Until so many seconds after T0.

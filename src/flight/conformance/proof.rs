@@ -9,7 +9,7 @@ use crate::flight::launch::readiness::STANDS_M;
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
 use crate::flight::session::arrival::{ARRIVED_M, STILL_MPS, TURNED_RAD};
-use crate::flight::session::end::{End, LATE_S, LATE_SHARE};
+use crate::flight::session::end::{End, may_last_s};
 use crate::path::VehicleLimits;
 use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::verify::{Flown, Limit, Margin, Requirement};
@@ -261,7 +261,11 @@ impl FlownTrack<'_> {
     /// So late that `fly` would have given it up. A capture does not say when a vehicle had to
     /// start: one that was armed late started late.
     fn lateness(&self, ends_s: f64) -> Option<Margin> {
-        let required = at_most(Flown::End, ends_s * (1.0 + LATE_SHARE) + LATE_S, "s");
+        let required = at_most(
+            Flown::End,
+            may_last_s(ends_s, self.flight.flown.slipped_s()),
+            "s",
+        );
         let last = self.fixes().last()?;
         let Some(until_s) = self.flight.flown.until_s else {
             let why = "the record does not say when it ended";

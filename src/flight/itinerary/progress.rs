@@ -155,6 +155,14 @@ impl Progress {
         is_near.then(|| self.itinerary.stops[nearest].id.as_str())
     }
 
+    /// The stop that a row is of.
+    pub(crate) fn stop_of(&self, row: usize) -> Option<&str> {
+        let is_of = |rows: &StopRows| (rows.first()..=rows.last()).contains(&row);
+        let mut stops = 0..self.sites.len();
+        let at = stops.find(|at| self.rows(*at).is_some_and(|rows| is_of(&rows)))?;
+        Some(self.itinerary.stops[at].id.as_str())
+    }
+
     fn near_m(&self) -> f64 {
         if self.has_wing { WING_STOP_M } else { STOP_M }
     }

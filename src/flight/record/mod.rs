@@ -140,6 +140,12 @@ impl Record {
 }
 
 impl Flown {
+    /// By how much its own clock has slipped behind that of the fleet from its first position to its last, seconds.
+    pub(super) fn slipped_s(&self) -> f64 {
+        let ends = self.fixes.first().zip(self.fixes.last());
+        ends.map_or(0.0, |(first, last)| first.slip_s(last))
+    }
+
     /// Takes down what it is ordered to do, from a time in seconds after T0 on.
     pub(super) fn take_order(&mut self, order: Action, t_s: f64) {
         (self.ordered, self.ordered_s) = (order, Some(t_s));

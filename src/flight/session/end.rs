@@ -1,8 +1,14 @@
 //! How a flight ends.
 
 /// A flight that has not ended this share and this many seconds after its planned end has failed.
-pub(in crate::flight) const LATE_SHARE: f64 = 0.25;
-pub(in crate::flight) const LATE_S: f64 = 90.0;
+const LATE_SHARE: f64 = 0.25;
+const LATE_S: f64 = 90.0;
+
+/// How long a flight may last that ends at `ends_s` as planned, seconds. What a simulated vehicle's clock slipped behind
+/// that of the fleet is no time that it had; but it is given up where it lives less than half of the time.
+pub(in crate::flight) fn may_last_s(ends_s: f64, slipped_s: f64) -> f64 {
+    ends_s * (1.0 + LATE_SHARE) + LATE_S + slipped_s.clamp(0.0, ends_s.max(0.0))
+}
 
 /// How the flight of one vehicle ended.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

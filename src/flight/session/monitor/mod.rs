@@ -1,6 +1,6 @@
 //! The fleet in flight: started in turn, watched to the end, and who is lost meanwhile.
 
-use super::end::{LATE_S, LATE_SHARE};
+use super::end::may_last_s;
 use super::vehicle::{FlightVehicle, Stage};
 use super::{Fleet, Outcome, Phase};
 use crate::flight::alarms::{Alarm, Alarms};
@@ -41,23 +41,29 @@ impl Fleet<'_> {
         self.look_for_the_lost(now, t_s);
         self.look_for_alarms(now);
         self.look_for_plans(now, t_s);
-        // One that is taken over late has the same time from then on: it was not heard yet.
-        if t_s - self.since_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
-            for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
-                if matches!(vehicle.stage, Stage::Rejoining { .. }) {
-                    vehicle.give_up_unheard();
-                } else if !matches!(vehicle.stage, Stage::Ended | Stage::Disarming(_)) {
-                    let why = format!("has not ended its flight {t_s:.0} s after T0");
-                    vehicle.give_up(why, *is_lost);
-                }
-            }
-        }
+        self.give_up_the_late(t_s, ends_s);
         self.end_those_that_loiter();
         self.gather(now);
         let is_over = |of: &FlightVehicle<'_>| matches!(of.stage, Stage::Ended);
         if self.vehicles.iter().all(is_over) {
             self.outcome = Some(Outcome::Flown);
             self.phase = Phase::Ended;
+        }
+    }
+
+    /// Gives up who has not ended its flight in time; `ends_s` is when that of the fleet ends.
+    fn give_up_the_late(&mut self, t_s: f64, ends_s: f64) {
+        for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
+            // One that is taken over late has the same time from then on: it was not heard yet.
+            if t_s - self.since_s <= may_last_s(ends_s, vehicle.flown.slipped_s()) {
+                continue;
+            }
+            if matches!(vehicle.stage, Stage::Rejoining { .. }) {
+                vehicle.give_up_unheard();
+            } else if !matches!(vehicle.stage, Stage::Ended | Stage::Disarming(_)) {
+                let why = format!("has not ended its flight {t_s:.0} s after T0");
+                vehicle.give_up(why, *is_lost);
+            }
         }
     }
 

@@ -142,7 +142,7 @@ impl FlightVehicle<'_> {
         let is_down = !self.airborne || self.is_down();
         if was_started && is_armed && is_down && !is_lost {
             let what = match self.airborne {
-                true => "its motors run on the ground",
+                true => "its motors still ran on the ground",
                 false => "has not taken off",
             };
             return self.disarm(Some(End::Failed(format!("{why}, and {what}"))));

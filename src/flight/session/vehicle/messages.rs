@@ -171,10 +171,9 @@ impl FlightVehicle<'_> {
                 self.heed_word(Some(row));
                 let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
                 if flies && self.flown.reach(row, t_s) {
-                    let at = self
-                        .stop_here()
-                        .map_or_else(String::new, |id| format!(" (stop {id})"));
-                    self.news.push_back(format!("item {row} reached{at}"));
+                    let stop = self.progress.stop_of(row);
+                    let of = stop.map_or_else(String::new, |id| format!(" (stop {id})"));
+                    self.news.push_back(format!("item {row} reached{of}"));
                     self.progress.take_reached(row, t_s);
                 }
             }
