@@ -117,9 +117,9 @@ fn a_path_keeps_the_least_altitude() {
 
 #[test]
 fn ground_too_steep_for_a_thin_layer_is_named() {
-    // A wall across the whole area, steeper than any climb.
+    // A wall across the whole area, steeper than any climb, and too little height above it to climb to and fro along it.
     let mut spec = ridge_of((60, 0.0035), 300.0, 350.0);
-    spec.vehicles[0].altitudes.max_agl = Some(Agl(100.0));
+    spec.vehicles[0].altitudes.max_agl = Some(Agl(60.0));
     spec.planner.evaluations = 1000;
     let world = world(&spec);
     let failed = dispatched(&spec);

@@ -172,6 +172,22 @@ fn a_slow_climber_goes_aside_no_further_than_it_has_to() {
     assert!(cost > 0.99 && cost < 1.12 * 1.106, "{cost}");
 }
 
+/// A wall 80 m high and 60 m behind it a lid 70 m above the ground: 30 m down by 8 degrees. By hand, with rests at the
+/// corners of a zigzag between them, 1.010.
+#[test]
+fn a_copter_comes_down_in_a_zigzag_between_a_wall_and_a_lid() {
+    let cost = passing_cost_with("wall-before-lid.yaml", 10_000, 1);
+    assert!(cost > 0.99 && cost < 1.02 * 1.010, "{cost}");
+}
+
+/// A wall 115 m high 60 m from start and goal, others that none flies over behind them, and climbs of 4 degrees: by hand,
+/// in zigzags before and behind it, 2.256.
+#[test]
+fn a_copter_that_climbs_slowly_between_walls_does_so_in_a_zigzag() {
+    let cost = passing_cost_with("between-walls.yaml", 20_000, 1);
+    assert!(cost > 1.5 && cost < 2.256, "{cost}");
+}
+
 #[test]
 fn two_that_meet_in_a_gap_share_the_detour() {
     let cost = passing_cost_with("head-on-in-a-gap.yaml", 1000, 1);

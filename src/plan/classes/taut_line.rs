@@ -81,12 +81,13 @@ pub(crate) fn taut_line(
     Some((line.into_iter().map(bend).collect(), closed))
 }
 
-/// The same as the places at which it bends, ends included: around one circle as few as there is space for.
+/// The same as the places at which it bends, ends included: around one circle as few as there is space for; and what is
+/// closed there.
 pub(crate) fn cornered_line(
     context: &RouteContext<'_>,
     path: &[EastNorth],
     radius_m: f64,
-) -> Option<Vec<EastNorth>> {
+) -> Option<(Vec<EastNorth>, Closed)> {
     let (line, closed) = shortest_near(context, path, radius_m)?;
     let turns: Vec<&[Corner]> = line.chunk_by(Corner::is_around_same).collect();
     let mut all: Vec<Point> = Vec::new();
@@ -104,7 +105,7 @@ pub(crate) fn cornered_line(
         });
         all.extend(shorter.unwrap_or_else(|| turn.iter().map(|corner| corner.at).collect()));
     }
-    Some(all.into_iter().map(east_north).collect())
+    Some((all.into_iter().map(east_north).collect(), closed))
 }
 
 /// The shortest line along a path, and what is closed there.

@@ -6,7 +6,7 @@
 //! keeps all limits and costs less.
 
 mod belt;
-mod climbs;
+pub(super) mod climbs;
 mod mend;
 
 use rayon::prelude::*;

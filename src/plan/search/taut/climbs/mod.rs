@@ -15,7 +15,7 @@ use crate::plan::classes::taut_line::Closed;
 use crate::plan::route_context::RouteContext;
 use crate::plan::search::JUDGED_ABOVE_M;
 use crate::plan::search::fit::Line;
-use short::Short;
+pub(in crate::plan::search) use short::Short;
 
 /// Most rounds in which a line is made longer.
 const MAX_ROUNDS: usize = 60;
@@ -57,7 +57,7 @@ pub(super) fn long_enough(
     let length_m = Line::new(line.line.iter().map(|bend| bend.at).collect()).length_m();
     let climbs = Climbs {
         context,
-        floor: context.floor(JUDGED_ABOVE_M, context.margins.climb_fraction + SPARE_SLOPE),
+        floor: floor_of(context),
         closed,
         tightest_m: radius_m,
         radius_m: WIDER * radius_m,
@@ -89,24 +89,41 @@ impl Climbs<'_> {
     /// A line held against the limits; none where it has no spline, or where nothing passes.
     fn held(&self, line: Rounded) -> Option<Held> {
         let free = line.controls(self.span_m)?;
-        let ends = self.context.ends;
-        let path = mend::sampled((ends.from.at, ends.to.at), &free);
-        let (east_m, north_m): (Vec<f64>, Vec<f64>) =
-            path.iter().map(|at| (at.east_m, at.north_m)).unzip();
-        let ends_m = (ends.from.amsl.0, ends.to.amsl.0);
-        let sampled = SampledLine {
-            east_m: &east_m,
-            north_m: &north_m,
-            ends_m,
-        };
-        let (mut demand, mut lengths_m) = (Demand::default(), Vec::new());
-        self.floor.fill(&sampled, &mut demand, &mut lengths_m);
-        let roofs_m = self.floor.roofs_m((&east_m, &north_m), &demand.ground_m);
+        let (short, path) = short_along(self.context, &self.floor, &free)?;
         let is_tight = |three: &&[EastNorth]| mend::radius_of(three) < TIGHT * self.tightest_m;
         Some(Held {
             line,
-            short: short::short(&demand, (&roofs_m, &lengths_m), ends_m)?,
+            short,
             tight: path.windows(3).filter(is_tight).count(),
         })
     }
+}
+
+/// What lines are held against that are made long enough: slopes somewhat flatter than the vehicle's.
+pub(in crate::plan::search) fn floor_of<'a>(context: &RouteContext<'a>) -> FloorMaker<'a> {
+    context.floor(JUDGED_ABOVE_M, context.margins.climb_fraction + SPARE_SLOPE)
+}
+
+/// Where the spline of some control points is too short for its climbs and descents, and its samples; none where
+/// nothing passes.
+pub(in crate::plan::search) fn short_along(
+    context: &RouteContext<'_>,
+    floor: &FloorMaker<'_>,
+    free: &[EastNorth],
+) -> Option<(Option<Short>, Vec<EastNorth>)> {
+    let ends = context.ends;
+    let path = mend::sampled((ends.from.at, ends.to.at), free);
+    let (east_m, north_m): (Vec<f64>, Vec<f64>) =
+        path.iter().map(|at| (at.east_m, at.north_m)).unzip();
+    let ends_m = (ends.from.amsl.0, ends.to.amsl.0);
+    let sampled = SampledLine {
+        east_m: &east_m,
+        north_m: &north_m,
+        ends_m,
+    };
+    let (mut demand, mut lengths_m) = (Demand::default(), Vec::new());
+    floor.fill(&sampled, &mut demand, &mut lengths_m);
+    let roofs_m = floor.roofs_m((&east_m, &north_m), &demand.ground_m);
+    let short = short::short(&demand, (&roofs_m, &lengths_m), ends_m)?;
+    Some((short, path))
 }

@@ -5,9 +5,12 @@ use crate::plan::altitude::Demand;
 /// Missing altitudes below this are none, metres.
 const TOLERANCE_M: f64 = 0.02;
 
+/// Shorter steps are of a rest, metres.
+const REST_M: f64 = 0.01;
+
 /// A part of a path that is too short.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Short {
+pub(in crate::plan::search) struct Short {
     /// Where it begins and ends, metres along the path to its end: what lies behind it stays as it is.
     pub from_m: f64,
     pub to_m: f64,
@@ -41,9 +44,14 @@ pub(super) fn short(
     };
     let mut gone_m = 0.0;
     let mut first: Option<(bool, Short)> = None;
+    // Metres along the path of one down and up, where it last went on.
+    let mut takes_m = [0.0; 2];
     for (step, &length_m) in lengths_m.iter().enumerate() {
         gone_m += length_m;
         let steps_m = [demand.down_m[step], demand.up_m[step]];
+        if length_m > REST_M {
+            takes_m = steps_m.map(|step_m| length_m / step_m.max(1e-9));
+        }
         // The raw floor, before slopes raised it.
         let (floor_m, roof_m) = match step + 1 == last {
             true => (to_m, to_m),
@@ -53,7 +61,7 @@ pub(super) fn short(
             return None;
         }
         if let Some((is_climb, missing_m)) = reach.onward(steps_m, (floor_m, roof_m)) {
-            let by_m = missing_m * length_m / steps_m[usize::from(is_climb)].max(1e-9);
+            let by_m = missing_m * takes_m[usize::from(is_climb)];
             match &mut first {
                 Some((of, first)) if *of == is_climb => first.by_m += by_m,
                 Some(_) => break,

@@ -1,7 +1,10 @@
 //! Ways of straight legs on which a copter rests where they bend.
 //!
 //! A copter that comes to rest at a corner needs no space to turn there, so that the exact line past the corners
-//! of what is closed is flown as it is: through streets, slots and tubes too narrow for turns at full speed.
+//! of what is closed is flown as it is: through streets, slots and tubes too narrow for turns at full speed. Where it is too
+//! short for climbs and descents, legs to and fro make it longer ([`zigzag`]).
+
+mod zigzag;
 
 use rayon::prelude::*;
 
@@ -10,11 +13,12 @@ use super::fit::Line;
 use super::polish::is_for_polish;
 use super::taut::finely;
 use super::{Found, along};
+use crate::cost::Margins;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::path::VehicleLimits;
 use crate::plan::classes::corridors::corridors_of_gaps;
 use crate::plan::classes::overflights::overflight_lines;
-use crate::plan::classes::taut_line::cornered_line;
+use crate::plan::classes::taut_line::{Closed, cornered_line};
 use crate::plan::route_context::RouteContext;
 use crate::spec::Airframe;
 
@@ -27,6 +31,10 @@ const AT_CORNER: usize = 3;
 const LINES: usize = 8;
 /// They pass corners at this distance, metres.
 const AWAY_M: f64 = 0.05;
+
+/// What ways that are made longer have more room for, metres and as a share of slopes.
+const ROOM_M: f64 = 0.3;
+const ROOM_SLOPE: f64 = 0.05;
 
 /// A way with rests between its ends.
 #[derive(Clone, Debug)]
@@ -45,19 +53,46 @@ pub(crate) fn rests(context: &RouteContext<'_>, most: f64) -> Option<Rests> {
     }
     let exact = &context.as_exact();
     let lines = lines(exact, most);
-    let mut cornered: Vec<Vec<EastNorth>> = (lines.par_iter())
-        .filter_map(|line| cornered(exact, line))
+    let plain = |line: &[EastNorth], _: &Closed| along_line(exact, line);
+    cheapest(exact, (&lines, most), plain).or_else(|| {
+        let roomier = &roomier(exact);
+        let longer = |line: &[EastNorth], closed: &Closed| {
+            along_line(roomier, &zigzag::long_enough(roomier, line, closed)?)
+        };
+        cheapest(roomier, (&lines, most), longer)
+    })
+}
+
+/// The same with room for what encoding changes of slopes and heights between places that are given.
+fn roomier<'a>(context: &RouteContext<'a>) -> RouteContext<'a> {
+    let margins = &context.margins;
+    RouteContext {
+        margins: Margins {
+            threat_m: margins.threat_m + ROOM_M,
+            climb_fraction: margins.climb_fraction + ROOM_SLOPE,
+            ..*margins
+        },
+        ..*context
+    }
+}
+
+/// The cheapest way that a function makes of the corners of lines, among those that cost less than `most`.
+fn cheapest(
+    context: &RouteContext<'_>,
+    (lines, most): (&[Vec<EastNorth>], f64),
+    way: impl Fn(&[EastNorth], &Closed) -> Option<Rests> + Sync,
+) -> Option<Rests> {
+    let mut cornered: Vec<(Vec<EastNorth>, Closed)> = (lines.par_iter())
+        .filter_map(|line| cornered(context, line))
         .collect();
-    cornered.dedup();
-    let ways = cornered
-        .par_iter()
-        .filter_map(|line| along_line(exact, line));
+    cornered.dedup_by(|a, b| a.0 == b.0);
+    let ways = (cornered.par_iter()).filter_map(|(line, closed)| way(line, closed));
     let ways: Vec<Rests> = ways.filter(|way| way.cost < most).collect();
     ways.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// The shortest line near one, as its corners.
-fn cornered(context: &RouteContext<'_>, line: &[EastNorth]) -> Option<Vec<EastNorth>> {
+fn cornered(context: &RouteContext<'_>, line: &[EastNorth]) -> Option<(Vec<EastNorth>, Closed)> {
     let radius_m = VehicleLimits::of(context.vehicle()).turn_radius_m;
     cornered_line(context, &finely(line), radius_m)
 }
@@ -95,7 +130,9 @@ fn along_line(context: &RouteContext<'_>, corners: &[EastNorth]) -> Option<Rests
 
 fn keeps_all_but_turns(found: &Found) -> bool {
     let terms = found.strict;
-    terms.threat + terms.terrain + terms.climb + terms.collision <= 0.0
+    // Steps as steep as they may be are off by rounding.
+    const ROUNDING: f64 = 1e-6;
+    terms.threat + terms.terrain + terms.collision <= 0.0 && terms.climb <= ROUNDING
 }
 
 /// Where a spline passes a corner that is three of its control points, the middle one by its number.
