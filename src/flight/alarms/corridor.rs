@@ -40,7 +40,7 @@ pub(super) struct TubeWatch {
     /// metres.
     wide_m: f64,
     /// Where a QuadPlane may be before it is on its first leg.
-    takeoff: Option<TakeoffTube>,
+    pub(super) takeoff: Option<TakeoffTube>,
     /// How far from its landing it may be in its descent, metres.
     landing_m: f64,
     /// How late it is, seconds, if it is on its plan.

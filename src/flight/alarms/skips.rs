@@ -66,8 +66,11 @@ impl Watched<'_> {
             return;
         };
         let near_m = self.tube.tube.across_m;
+        let takeoff = self.tube.takeoff.as_ref();
         let is_near = |(_, of): &(usize, &Waypoint)| {
-            of.item >= row && of.point.at.distance_m(here.point.at) - of.radius_m <= near_m
+            let (place, at) = (of.point.at, here.point.at);
+            let is_abeam = takeoff.is_some_and(|takeoff| takeoff.passes((of.item, place), at));
+            of.item >= row && (is_abeam || place.distance_m(at) - of.radius_m <= near_m)
         };
         let near: Vec<usize> = self.ahead().filter(is_near).map(|of| of.0).collect();
         for waypoint in near {

@@ -71,6 +71,11 @@ impl TakeoffTube {
         ahead.any(|(_, to)| self.outside_m(at, *to) <= self.buffer_m)
     }
 
+    /// Whether a vehicle at a place passes a waypoint there, which lies in the region: abeam of it anywhere in that.
+    pub(crate) fn passes(&self, (item, waypoint): (usize, EastNorth), at: EastNorth) -> bool {
+        waypoint.distance_m(self.middle) < self.region.reach_m() && self.holds(item, at)
+    }
+
     /// Whether it is in its climb, as far off as the wind may drive it.
     pub(crate) fn climbs(&self, item: usize, at: EastNorth) -> bool {
         item <= self.top_item && at.distance_m(self.middle) <= self.region.drift_m + self.buffer_m
@@ -90,5 +95,39 @@ pub(crate) fn at_its_fastest(vehicle: &Vehicle) -> Vehicle {
     Vehicle {
         speed_mps: vehicle.speeds().most,
         ..vehicle.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As a QuadPlane of ArduPlane 4.7.0-dev flew: it passed a place 93 m from home 173 m abeam, where its nose pointed.
+    #[test]
+    fn a_place_within_the_region_of_a_takeoff_is_passed_anywhere_in_that() {
+        let north = |north_m: f64| EastNorth {
+            east_m: 0.0,
+            north_m,
+        };
+        let abeam = EastNorth {
+            east_m: 173.0,
+            north_m: 93.0,
+        };
+        let tube = TakeoffTube {
+            region: TakeoffRegion {
+                drift_m: 10.0,
+                carried_m: 30.0,
+                transition_m: 80.0,
+                turn_m: 120.0,
+                late_s: 20.0,
+            },
+            middle: north(0.0),
+            top_item: 1,
+            ahead: vec![(3, north(93.0)), (4, north(900.0))],
+            buffer_m: 15.0,
+        };
+        assert!(tube.passes((3, north(93.0)), abeam));
+        assert!(!tube.passes((4, north(900.0)), abeam));
+        assert!(!tube.passes((3, north(93.0)), north(1200.0)));
     }
 }
