@@ -5,7 +5,7 @@ use super::{Dispatched, Job, is_static};
 use crate::geodesy::PlanPoint;
 use crate::plan::rests_of;
 use crate::spec::{Algorithm, Arrival, EndPoint, MissionSpec, Objective, Placement, Stop};
-use crate::verify::Limit;
+use crate::verify::{Limit, Repair};
 use crate::world::World;
 
 /// Most vehicles of a fleet that is planned once more.
@@ -80,7 +80,9 @@ fn with_rests(job: Job<'_>, found: &Dispatched) -> Option<(MissionSpec, World)> 
 fn fails(found: &Dispatched, id: &str) -> bool {
     let mut broken = found.review.margins.iter().filter(|margin| !margin.ok);
     broken.any(|margin| {
-        margin.vehicle == id && (is_static(margin) || margin.limit == Limit::Encoding)
+        let may_be_flown = matches!(margin.limit.repair(), Some(Repair::Slope | Repair::Turn));
+        margin.vehicle == id
+            && (is_static(margin) || may_be_flown || margin.limit == Limit::Encoding)
     })
 }
 

@@ -221,18 +221,25 @@ impl EastNorth {
         (self.east_m - other.east_m).abs() > reach_m
             || (self.north_m - other.north_m).abs() > reach_m
     }
+
+    /// The place at a share of the straight way to another.
+    #[must_use]
+    pub fn toward(self, to: Self, share: f64) -> Self {
+        Self {
+            east_m: self.east_m + share * (to.east_m - self.east_m),
+            north_m: self.north_m + share * (to.north_m - self.north_m),
+        }
+    }
 }
 
 impl PlanPoint {
     /// The place at a share of the straight way to another.
     #[must_use]
     pub fn toward(self, to: Self, share: f64) -> Self {
-        let mix = |from: f64, to: f64| from + share * (to - from);
-        Self::new(
-            mix(self.at.east_m, to.at.east_m),
-            mix(self.at.north_m, to.at.north_m),
-            Amsl(mix(self.amsl.0, to.amsl.0)),
-        )
+        Self {
+            at: self.at.toward(to.at, share),
+            amsl: Amsl(self.amsl.0 + share * (to.amsl.0 - self.amsl.0)),
+        }
     }
 
     /// The point higher by a height, metres.

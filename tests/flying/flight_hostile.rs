@@ -366,6 +366,26 @@ fn a_companion_that_speaks_first_is_not_taken_for_the_autopilot() {
 }
 
 #[test]
+fn a_stop_of_this_program_right_after_t0_is_its_own_as_well() {
+    let plan = two(OnLinkLoss::HoldAll);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let mut record = plan.record(&sky);
+    record.stops = vec![(1.0, 22.0)];
+    for flight in &mut record.flights {
+        flight.flown.fixes.retain(|fix| fix.t_s > 22.0);
+    }
+    let report = judge(&plan.spec, &plan.world, &record);
+    let gap = |m: &&sortie::verify::Margin| m.limit == Limit::Flown(Flown::Gap);
+    let gaps: Vec<_> = report.margins.iter().filter(gap).collect();
+    assert_eq!(gaps.len(), 2);
+    for gap in gaps {
+        let note = "the recording program was stopped for 21 s";
+        assert!(gap.value > 20.0 && gap.note.contains(note), "{gap:?}");
+    }
+}
+
+#[test]
 fn a_stop_of_this_program_is_its_own_and_no_lost_link() {
     let plan = two(OnLinkLoss::HoldAll);
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());

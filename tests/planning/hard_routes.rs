@@ -188,6 +188,14 @@ fn a_copter_that_climbs_slowly_between_walls_does_so_in_a_zigzag() {
     assert!(cost > 1.5 && cost < 2.256, "{cost}");
 }
 
+/// A yard of 70 m between walls 100 m high, and climbs of 10 degrees: from 55 m above the ground 55 m more take 312 m, where
+/// 25 m lead to the wall. Straight from start to goal 0.6 km.
+#[test]
+fn a_copter_climbs_out_of_a_yard_to_and_fro() {
+    let cost = passing_cost_with("yard.yaml", 500, 1);
+    assert!(cost > 0.6 + 0.28 && cost < 0.97, "{cost}");
+}
+
 #[test]
 fn two_that_meet_in_a_gap_share_the_detour() {
     let cost = passing_cost_with("head-on-in-a-gap.yaml", 1000, 1);

@@ -222,20 +222,23 @@ impl FlownTrack<'_> {
     /// of the vehicle, and its note says so.
     fn gaps(&self, stops: &[(f64, f64)]) -> Vec<Margin> {
         let first = self.fixes().first();
-        let before = first.map(|first| (first.t_s - self.since_s(), first));
+        let before = first.map(|first| {
+            let since_s = self.since_s();
+            (first.t_s - since_s, since_s, first)
+        });
         let until_s = self.flight.flown.until_s;
         let after = self.fixes().last().zip(until_s);
-        let after = after.map(|(last, until_s)| (until_s - last.t_s, last));
+        let after = after.map(|(last, until_s)| (until_s - last.t_s, last.t_s, last));
         let pairs = self.fixes().windows(2);
         let longest = pairs
-            .map(|pair| (pair[0].until_s(&pair[1]), &pair[0]))
+            .map(|pair| (pair[0].until_s(&pair[1]), pair[0].t_s, &pair[0]))
             .chain(before)
             .chain(after)
             .max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((gap_s, fix)) = longest else {
+        let Some((gap_s, from_s, fix)) = longest else {
             return Vec::new();
         };
-        let (from_s, to_s) = (fix.t_s, fix.t_s + gap_s);
+        let to_s = from_s + gap_s;
         let share_s = |&(from, until): &(f64, f64)| until.min(to_s) - from.max(from_s);
         let stopped_s: f64 = stops.iter().map(share_s).map(|s| s.max(0.0)).sum();
         let required = Requirement::at_most(Limit::Flown(Flown::Gap), GAP_S, "s");

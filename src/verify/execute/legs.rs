@@ -146,7 +146,7 @@ impl Shape {
     /// The point at a fraction of the length.
     pub(crate) fn at(&self, fraction: f64) -> EastNorth {
         match *self {
-            Self::Line { from, to } => mix(from, to, fraction),
+            Self::Line { from, to } => from.toward(to, fraction),
             Self::Arc {
                 center,
                 radius_m,
@@ -380,8 +380,8 @@ impl Line {
                 pieces.push(Piece {
                     leg: self.leg,
                     shape: Shape::Line {
-                        from: mix(self.from, self.to, fraction.0),
-                        to: mix(self.from, self.to, fraction.1),
+                        from: self.from.toward(self.to, fraction.0),
+                        to: self.from.toward(self.to, fraction.1),
                     },
                     speed_mps,
                     fraction,
@@ -393,12 +393,5 @@ impl Line {
         cut(start_m, up_m, (from_mps, peak_mps));
         cut(up_m, down_m, (peak_mps, peak_mps));
         cut(down_m, end_m, (peak_mps, to_mps));
-    }
-}
-
-fn mix(from: EastNorth, to: EastNorth, fraction: f64) -> EastNorth {
-    EastNorth {
-        east_m: from.east_m + (to.east_m - from.east_m) * fraction,
-        north_m: from.north_m + (to.north_m - from.north_m) * fraction,
     }
 }

@@ -134,14 +134,17 @@ fn pieces(line: &[EastNorth], short: &Short) -> Vec<Piece> {
     let (mut pieces, mut gone_m) = (Vec::new(), 0.0);
     for (leg, ends) in line.windows(2).enumerate() {
         let length_m = ends[0].distance_m(ends[1]);
-        let [begin_m, end_m] = [from_m, to_m].map(|at_m| match at_m - gone_m {
+        let begin_m = match from_m - gone_m {
             near_m if near_m < SHORT_M => 0.0,
+            within_m => within_m,
+        };
+        let end_m = match to_m - gone_m {
             near_m if near_m > length_m - SHORT_M => length_m,
-            between_m => between_m,
-        });
+            within_m => within_m,
+        };
         gone_m += length_m;
         if end_m - begin_m >= MIN_LEG_M {
-            let at = |at_m: f64| between((ends[0], ends[1]), at_m / length_m);
+            let at = |at_m: f64| ends[0].toward(ends[1], at_m / length_m);
             pieces.push(Piece {
                 leg,
                 ends: (at(begin_m), at(end_m)),
@@ -171,7 +174,7 @@ fn zigzag(
         (to.north_m - from.north_m) / length_m,
     );
     let at = |share: f64, left_m: f64| {
-        let on = between((from, to), share);
+        let on = from.toward(to, share);
         EastNorth {
             east_m: on.east_m - left_m * north,
             north_m: on.north_m + left_m * east,
@@ -192,15 +195,6 @@ fn zigzag(
     }
     corners.push(to);
     Some(corners)
-}
-
-/// A place between two others.
-fn between((from, to): (EastNorth, EastNorth), share: f64) -> EastNorth {
-    let between = |from: f64, to: f64| from + share * (to - from);
-    EastNorth {
-        east_m: between(from.east_m, to.east_m),
-        north_m: between(from.north_m, to.north_m),
-    }
 }
 
 #[cfg(test)]

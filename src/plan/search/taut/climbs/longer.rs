@@ -142,7 +142,7 @@ impl Climbs<'_> {
             let share = (left_m - to_end_m) / from.distance_m(to);
             (0.0..1.0)
                 .contains(&share)
-                .then(|| (leg, between((from, to), share)))
+                .then(|| (leg, from.toward(to, share)))
         })?;
         let (start, goal) = self.context.ends_at();
         let is_near = |end: EastNorth| at.distance_m(end) < NEAR_END * self.radius_m;
@@ -160,7 +160,7 @@ impl Climbs<'_> {
             for to_end_m in [short.to_m, short.to_m + 2.0 * self.radius_m] {
                 let end_m = gone_m(to_end_m).min(length_m);
                 if end_m > begin_m + MIN_PIECE_M {
-                    let at = |at_m: f64| between((from, to), at_m / length_m);
+                    let at = |at_m: f64| from.toward(to, at_m / length_m);
                     let near_m = NEAR_END * self.radius_m;
                     let inner =
                         |at_m: f64| (at_m > near_m && at_m < length_m - near_m).then(|| at(at_m));
@@ -192,7 +192,7 @@ impl Climbs<'_> {
         };
         let tops = shifts_m.into_iter().flat_map(|m| [(m, 1.0), (m, -1.0)]);
         tops.filter_map(|(shift_m, side)| {
-            let middle = vector(between((before, after), 0.5)) + along * shift_m;
+            let middle = vector(before.toward(after, 0.5)) + along * shift_m;
             let at = east_north(middle + left * side * aside_m);
             let [a, b, c] = [before, at, after].map(|at| [at.east_m, at.north_m]);
             let is_free =
@@ -231,15 +231,6 @@ struct Piece {
     ends: (EastNorth, EastNorth),
     /// Those of its ends that are not those of the leg.
     inner: [Option<EastNorth>; 2],
-}
-
-/// A place between two others.
-fn between((from, to): (EastNorth, EastNorth), share: f64) -> EastNorth {
-    let between = |from: f64, to: f64| from + share * (to - from);
-    EastNorth {
-        east_m: between(from.east_m, to.east_m),
-        north_m: between(from.north_m, to.north_m),
-    }
 }
 
 /// The legs of a line in order, and how far it is from the beginning of each to the end, metres, circles included.
