@@ -38,7 +38,13 @@ def mavsdk(kind, autopilot, path):
     sender = mavutil.mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
     heartbeat = sender.heartbeat_encode(2, autopilot, 0, 0, 3)
     deadline = time.monotonic() + 20
-    while not station.get_systems() and time.monotonic() < deadline:
+
+    # A system is there before its heartbeat says which autopilot it is: it would be read as none.
+    def is_known():
+        systems = station.get_systems()
+        return systems and systems[0].autopilot_type().name != "UNKNOWN"
+
+    while not is_known() and time.monotonic() < deadline:
         station.pass_received_raw_bytes(heartbeat.pack(sender))
         time.sleep(0.1)
     raw = MissionRaw(station.get_systems()[0])
