@@ -443,7 +443,7 @@ fn resting(planned: &MissionSpec) -> Vec<String> {
             let times = if rests == 1 { "time" } else { "times" };
             (rests > 0).then(|| {
                 format!(
-                    "{} rests for 1 s {rests} {times} on its way, where it has no space to turn (`stops` of plan.json)",
+                    "{} rests for 1 s {rests} {times} on its way, to turn on the spot (`stops` of plan.json)",
                     vehicle.id
                 )
             })

@@ -171,7 +171,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
-        "a QuadPlane that descends from its climb is {quadplane.transition_lag_s} of its descent above those legs, no higher than that climb but for the lag of every wing, until it has levelled: \
+        "a QuadPlane that descends from its climb is {quadplane.transition_lag_s} of its descent above those legs until it has levelled, but no higher than the top of that climb plus the lag of any wing: \
          judged there too, but not the separation there",
     ),
     (

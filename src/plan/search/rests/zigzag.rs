@@ -1,7 +1,7 @@
 //! A way with rests made as long as its climbs and descents take.
 //!
 //! A copter that rests where it turns needs no space for that: legs to and fro make a way longer wherever there is some
-//! width, the more of them the less.
+//! width, and the more legs there are, the less width they need.
 
 use super::outline;
 use crate::geodesy::EastNorth;
@@ -9,6 +9,7 @@ use crate::numeric::as_f64;
 use crate::plan::altitude::floor::FloorMaker;
 use crate::plan::classes::taut_line::Closed;
 use crate::plan::route_context::RouteContext;
+use crate::plan::search::fit::Line;
 use crate::plan::search::taut::climbs::{Short, floor_of, short_along};
 
 /// Most rounds in which a way is made longer.
@@ -129,7 +130,7 @@ struct Piece {
 
 /// Pieces of the legs in the part of a line that is too short.
 fn pieces(line: &[EastNorth], short: &Short) -> Vec<Piece> {
-    let whole_m: f64 = line.windows(2).map(|leg| leg[0].distance_m(leg[1])).sum();
+    let whole_m = Line::new(line.to_vec()).length_m();
     let (from_m, to_m) = (whole_m - short.from_m, whole_m - short.to_m);
     let (mut pieces, mut gone_m) = (Vec::new(), 0.0);
     for (leg, ends) in line.windows(2).enumerate() {
@@ -207,10 +208,6 @@ mod tests {
         EastNorth { east_m, north_m }
     }
 
-    fn length_m(line: &[EastNorth]) -> f64 {
-        line.windows(2).map(|leg| leg[0].distance_m(leg[1])).sum()
-    }
-
     proptest! {
         #[test]
         fn a_zigzag_is_longer_by_what_is_missing(
@@ -222,7 +219,8 @@ mod tests {
             let corners = zigzag(ends, (turns, by_m), SIDES[sides]);
             prop_assert_eq!(corners.is_some(), base_m + by_m >= 2.0 * MIN_LEG_M * as_f64(turns));
             if let Some(corners) = corners {
-                prop_assert!((length_m(&corners) - base_m - by_m).abs() < 1e-6);
+                let length_m = Line::new(corners.clone()).length_m();
+                prop_assert!((length_m - base_m - by_m).abs() < 1e-6);
                 prop_assert!(corners.windows(2).all(|leg| leg[0].distance_m(leg[1]) > MIN_LEG_M - 1e-6));
                 prop_assert!(corners[0] == ends.0 && corners[corners.len() - 1] == ends.1);
             }
@@ -237,7 +235,7 @@ mod tests {
             at(50.0, 100.0),
             at(50.0, 110.0),
         ];
-        // From 10 m behind the begin to 20 m before the end of the second leg.
+        // From 10 m after the start to 20 m before the end of the second leg.
         let short = Short {
             from_m: 150.0,
             to_m: 30.0,
