@@ -156,6 +156,8 @@ pub struct Behaviour {
     /// In its descent the wind from behind drives a QuadPlane off to any side, as far as it goes in
     /// this time, seconds.
     pub landing_drift_s: Figure,
+    /// A QuadPlane comes to rest within this of the place that it lands at, before it descends, metres.
+    pub landing_overshoot_m: Figure,
     /// A QuadPlane is in forward flight this far from the end of its climb at most, where its nose
     /// points, and turns from there, metres.
     pub transition_m: Figure,
@@ -209,7 +211,7 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 25] {
+    pub fn figures(&self) -> [(&'static str, Figure); 26] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("early_share", self.early_share),
@@ -229,6 +231,7 @@ impl Behaviour {
             ("drift_share", self.drift_share),
             ("drift_s", self.drift_s),
             ("landing_drift_s", self.landing_drift_s),
+            ("landing_overshoot_m", self.landing_overshoot_m),
             ("transition_m", self.transition_m),
             ("max_wind_mps", self.max_wind_mps),
             ("circle_wide_share", self.circle_wide_share),

@@ -386,7 +386,7 @@ fn runs(earlier: &[Flight], segments: &[Segment], balls: &[Ball]) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut first = 0;
     for flight in earlier {
-        let end = first + flight.points.len().saturating_sub(1);
+        let end = first + flight.segments().count();
         for start in (first..end).step_by(RUN) {
             let members = start..(start + RUN).min(end);
             let of_run = &segments[members.clone()];

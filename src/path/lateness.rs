@@ -3,7 +3,7 @@
 //! The figures and their sources are in [`crate::autopilot::Behaviour`].
 
 use crate::autopilot::Airframe;
-use crate::geodesy::LatLon;
+use crate::geodesy::{Amsl, LatLon};
 use crate::spec::{Span, Vehicle};
 use crate::world::Departure;
 
@@ -68,6 +68,24 @@ pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
     Span {
         least: 0.0 - value(behaviour.takeoff_early_s),
         most: value(behaviour.takeoff_late_s),
+    }
+}
+
+/// By how much earlier or later a landing on rotors is where its slow end begins at its height above home and not above
+/// the ground, seconds: that depends on a rangefinder or terrain data on board (`Mode::get_alt_above_ground_m`,
+/// `FlightTask::_evaluateDistanceToGround`). It descends from the top to the ground, fast and below that height slowly.
+#[must_use]
+pub fn landing_shift_s(
+    (top, home, ground): (Amsl, Amsl, Amsl),
+    slow_below_m: f64,
+    (fast_mps, slow_mps): (f64, f64),
+) -> Span {
+    let within = |amsl_m: f64| amsl_m.min(top.0).max(ground.0);
+    let more_m = within(home.0 + slow_below_m) - within(ground.0 + slow_below_m);
+    let late_s = more_m * (1.0 / slow_mps - 1.0 / fast_mps);
+    Span {
+        least: late_s.min(0.0),
+        most: late_s.max(0.0),
     }
 }
 

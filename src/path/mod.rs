@@ -11,9 +11,9 @@ mod wing;
 pub use dubins::{Pose, Turns, turns, turns_sampled};
 pub use flyable::lean_note;
 pub use lateness::{
-    COUNTS_AFTER_S, Departing, corner_late_s, late_share, leg_late_s, leg_late_share,
-    longer_for_takeoff_s, max_shift_s, stop_late_s, takeoff_lateness_s, takeoff_shift_s,
-    with_stops_s,
+    COUNTS_AFTER_S, Departing, corner_late_s, landing_shift_s, late_share, leg_late_s,
+    leg_late_share, longer_for_takeoff_s, max_shift_s, stop_late_s, takeoff_lateness_s,
+    takeoff_shift_s, with_stops_s,
 };
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
 pub use routes::route_ends;

@@ -11,13 +11,15 @@ use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
 use crate::numeric::approach::Segment;
 use crate::numeric::tracks::Track;
-use crate::path::{TimedPoint, wing};
-use crate::spec::{Finish, Vehicle};
+use crate::path::{TimedPoint, landing_shift_s, wing};
+use crate::spec::{Finish, Span, Vehicle};
 use crate::world::{Departure, VehicleSites};
 
 /// Longest piece of a motion while the speed changes, seconds: between its ends
 /// such a piece leaves constant speed by at most `accel * 2^2 / 8`.
 const RAMP_PIECE_S: f64 = 2.0;
+/// Heights that a vehicle lingers at are so far apart at most, metres: half of it counts as none.
+const LINGER_M: f64 = 10.0;
 
 /// The whole flight of one vehicle, straight and of constant speed between its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +31,9 @@ pub struct Flight {
     pub route_starts_s: Vec<f64>,
     /// Whether the vehicle stays at its last point for ever.
     pub loiters: bool,
+    /// Where it may be at other times as well, as motions at rest: along a landing whose slow end begins
+    /// sooner or later than over the ground, see [`landing_shift_s`].
+    pub lingers: Vec<Segment>,
 }
 
 /// The times of a route that is flown from rest to rest at a constant ground
@@ -112,20 +117,22 @@ pub fn flight(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]
         rest(&mut points, vehicle.rest_after_s(index));
     }
     let loiters = vehicle.finish == Finish::Loiter;
+    let mut lingers = Vec::new();
     if let Some(&last) = points.last() {
         match vehicle.finish {
             Finish::Loiter => points.push(TimedPoint {
                 t_s: f64::INFINITY,
                 ..last
             }),
-            Finish::Land => land(&mut points, sites.goal_ground, vehicle),
-            Finish::Return => land(&mut points, sites.home.amsl, vehicle),
+            Finish::Land => lingers = land(&mut points, (sites.home, sites.goal_ground), vehicle),
+            Finish::Return => lingers = land(&mut points, (sites.home, sites.home.amsl), vehicle),
         }
     }
     Flight {
         points,
         route_starts_s,
         loiters,
+        lingers,
     }
 }
 
@@ -172,6 +179,7 @@ fn winged(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) ->
             points.iter().find(at_start).map(|timed| timed.t_s)
         })
         .collect();
+    let mut lingers = Vec::new();
     if let Some(&last) = points.last() {
         if loiters {
             points.push(TimedPoint {
@@ -179,13 +187,14 @@ fn winged(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) ->
                 ..last
             });
         } else if !is_plane {
-            land(&mut points, way.touchdown.amsl, vehicle);
+            lingers = land(&mut points, (sites.home, way.touchdown.amsl), vehicle);
         }
     }
     Flight {
         points,
         route_starts_s,
         loiters,
+        lingers,
     }
 }
 
@@ -201,7 +210,7 @@ fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], vehicle: &Ve
 }
 
 impl Flight {
-    /// The straight motions from point to point; the third coordinate is the altitude.
+    /// The straight motions from point to point, and where it lingers; the third coordinate is the altitude.
     pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
         let place = |timed: &TimedPoint| {
             let point = timed.point;
@@ -210,6 +219,7 @@ impl Flight {
         self.points
             .windows(2)
             .map(move |pair| Segment::between(place(&pair[0]), place(&pair[1])))
+            .chain(self.lingers.iter().copied())
     }
 
     /// Its motions as conflicts with others are looked for.
@@ -267,9 +277,15 @@ fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, sites: &VehicleSite
     rest(points, start.map_or(0.0, |stop| vehicle.stay_s(&stop)));
 }
 
-/// Vertically to the ground, the last metres slowly.
-fn land(points: &mut Vec<TimedPoint>, ground: Amsl, vehicle: &Vehicle) {
+/// Vertically to the ground, the last metres slowly. Returns where the vehicle lingers if it takes its height
+/// above home for that above the ground.
+fn land(
+    points: &mut Vec<TimedPoint>,
+    (home, ground): (PlanPoint, Amsl),
+    vehicle: &Vehicle,
+) -> Vec<Segment> {
     let slow_from = Amsl(ground.0 + SLOW_LANDING_M);
+    let first = points.len().saturating_sub(1);
     if points
         .last()
         .is_some_and(|last| last.point.amsl > slow_from)
@@ -277,6 +293,41 @@ fn land(points: &mut Vec<TimedPoint>, ground: Amsl, vehicle: &Vehicle) {
         lift(points, slow_from, vehicle.descent_mps);
     }
     lift(points, ground, vehicle.slow_descent_mps());
+    let descent = points.get(first..).unwrap_or_default();
+    let speeds_mps = (vehicle.descent_mps, vehicle.slow_descent_mps());
+    let Some(top) = descent.first() else {
+        return Vec::new();
+    };
+    let heights = (top.point.amsl, home.amsl, ground);
+    lingering(
+        descent,
+        landing_shift_s(heights, SLOW_LANDING_M, speeds_mps),
+    )
+}
+
+/// A vertical motion at any time of a span later or earlier, as motions at rest of some metres each.
+fn lingering(motion: &[TimedPoint], shift_s: Span) -> Vec<Segment> {
+    if shift_s.most - shift_s.least <= 0.0 {
+        return Vec::new();
+    }
+    let part = |pair: &[TimedPoint]| {
+        let (from, to) = (pair[0], pair[1]);
+        let parts = (from.point.distance_m(to.point) / LINGER_M).ceil().max(1.0);
+        let share = move |share: f64| TimedPoint {
+            point: from.point.toward(to.point, share),
+            t_s: from.t_s + share * (to.t_s - from.t_s),
+        };
+        let bounds = std::iter::successors(Some(0.0), |number| Some(number + 1.0));
+        let bounds = bounds.take_while(move |number| *number < parts);
+        bounds.map(move |number| {
+            let (first, last) = (share(number / parts), share((number + 1.0) / parts));
+            let at = first.point.toward(last.point, 0.5);
+            let place = [at.at.east_m, at.at.north_m, at.amsl.0];
+            let (from_s, to_s) = (first.t_s + shift_s.least, last.t_s + shift_s.most);
+            Segment::between((from_s, place), (to_s, place))
+        })
+    };
+    motion.windows(2).flat_map(part).collect()
 }
 
 /// Stays where it is for a time.

@@ -127,6 +127,7 @@ impl Setting {
             points: time_route(&points, 0.0, vehicle.speed_mps, vehicle.accel_mps2),
             route_starts_s: vec![0.0],
             loiters: false,
+            lingers: Vec::new(),
         }
     }
 
@@ -341,6 +342,7 @@ mod tests {
             points: time_route(&line, 0.0, 400.0, AT_ONCE_MPS2),
             route_starts_s: vec![0.0],
             loiters: false,
+            lingers: Vec::new(),
         };
         // Sampled as the study does.
         let samples: Vec<PlanPoint> = (0..=100)

@@ -213,6 +213,7 @@ fn flight(rng: &mut impl Rng) -> Flight {
         points: time_route(&points, starts_s, rng.random_range(5.0..60.0), 2.5),
         route_starts_s: vec![starts_s],
         loiters: false,
+        lingers: Vec::new(),
     }
 }
 

@@ -586,6 +586,28 @@ fn a_wing_on_a_leg_of_a_moment_is_no_further_off_its_line_than_it_climbs_there()
     assert!(found.value > 55.0 && found.value < 80.0, "{found:?}");
 }
 
+/// ArduPlane 4.7.0-dev of February 2026, its simulated QuadPlane, 16 m/s, 2 m/s of wind from ahead: 10.7 m beyond its place and
+/// 9.7 m beside it, 13.2 m from all that was judged.
+#[test]
+fn a_quadplane_swings_over_the_place_that_it_lands_at_before_it_descends() {
+    let (mut spec, mut mission) = quadplane(Autopilot::ArduPilot);
+    spec.vehicles[0].finish = Finish::Land;
+    let landing = command::NAV_VTOL_LAND;
+    let relative = frame::GLOBAL_RELATIVE_ALT;
+    mission.items[3] = at(landing, relative, spot(3000.0, 0.0), 0.0, 0.0);
+    for aside_m in [-9.7, 9.7] {
+        let near_m = nearest_m(&spec, &mission, spot(3010.7, aside_m));
+        assert!(near_m < 6.0, "{near_m} m from it");
+    }
+    // It is there at the altitude that it comes with.
+    for (below_m, is_met) in [(70.0, false), (90.0, true)] {
+        spec.no_fly = vec![low_wall(spot(3012.0, 6.0), GROUND_M + below_m)];
+        let wall = Limit::Zone("wall".to_owned());
+        let away_m = margin(&spec, &mission, &wall).expect("judged").value;
+        assert_eq!(away_m < 5.0, is_met, "{below_m}: {away_m}");
+    }
+}
+
 /// `QuadPlane::do_vtol_land`, `Plane::set_next_WP`: without a place it lands where it is as the item begins.
 #[test]
 fn a_quadplane_lands_where_it_is_without_a_place_and_about_there_if_it_comes_on_its_wing() {

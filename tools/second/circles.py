@@ -15,7 +15,7 @@ BETWEEN_M = 30.0  # ways onto a circle end no further apart
 INSIDE_SHARE, ALIGNED_REACH = 0.2, 1.2
 WIDE_SHARE, LEVEL_M = {"ardupilot": 0.75, "plane-px4": 0.25}, {"ardupilot": 6.0, "plane-px4": 3.0}
 TRANSITION_M = {"ardupilot": 80.0, "px4": 45.0}
-DRIFT_S, DRIFT_SHARE, SIDES, LANDING_DRIFT_S = 21.0, 0.8, 12, 20.0
+DRIFT_S, DRIFT_SHARE, SIDES, LANDING_DRIFT_S, LANDING_OVERSHOOT_M = 21.0, 0.8, 12, 20.0, 18.0
 ARRIVAL_DEG, ARRIVAL_LEGS = 10.0, 3
 
 
@@ -236,6 +236,12 @@ class Circles:
                 at = self.plane.place(middle + drift * direction(2 * math.pi * side / SIDES))
                 self.grounded.append(Line(self.home.at, at, Height(False, self.home.amsl, amsl)))
         self.hull = Hull(middle, amsl, turns + drift + DRIFT_S * wind, True)
+
+    def overshoot_landing(self, middle, top, first):
+        """How a QuadPlane comes to rest over the place that it lands at."""
+        self.disc(middle, LANDING_OVERSHOOT_M, top)
+        for motion in self.motions[first:]:
+            motion.wide = max(motion.wide, LANDING_OVERSHOOT_M)
 
     def driven(self, middle, ground, top):
         """Where a QuadPlane may come down that the wind has from behind."""

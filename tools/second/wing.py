@@ -188,8 +188,10 @@ class WingFlight(ClimbOut, Circles, Flight):
         """On rotors; a QuadPlane that comes with the wind from behind is driven off."""
         far = [(a, b) for a, b in zip(self.knots, self.knots[1:]) if distance(a.at, b.at) > 1.0]
         self.legs(0.0)
-        top = self.knots[-1].amsl
+        top, first = self.knots[-1].amsl, len(self.motions)
         self.touch_down()
+        if self.ardupilot:
+            self.overshoot_landing(self.flat(self.knots[-1]), top, first)
         if far and self.wind and self.ardupilot:
             clockwise = course(*(self.flat(knot) for knot in far[-1]))
             if math.cos(clockwise - math.radians(self.wind["from_deg"])) < 0:

@@ -1,7 +1,7 @@
-use super::{flight, route_start_s, time_route};
+use super::{flight, landing_shift_s, route_start_s, time_route};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::spec::fixtures::copter;
-use crate::spec::{Autopilot, Finish, Vehicle};
+use crate::spec::{Autopilot, Finish, Span, Vehicle};
 use crate::world::{Departure, VehicleSites};
 
 fn vehicle(finish: Finish) -> Vehicle {
@@ -113,4 +113,68 @@ fn a_route_is_timed_by_its_horizontal_length() {
     assert!((times[0] - 7.0).abs() < 1e-12);
     assert!((times[1] - (7.0 + 32.5)).abs() < 1e-12);
     assert!((times[2] - (7.0 + 65.0)).abs() < 1e-12);
+}
+
+#[test]
+fn a_copter_that_counts_its_height_from_home_lingers_along_its_landing() {
+    // Home 100 m above the ground under the goal: all of 80 m are flown slowly, or the last 10 m.
+    let sites = VehicleSites {
+        home: at(-100.0, 220.0),
+        ..sites()
+    };
+    let vehicle = vehicle(Finish::Land);
+    let flight = flight(&vehicle, &sites, &[route()]);
+    let top_s = flight.route_starts_s[0] + 105.0;
+    // As fast as it goes, 70 m at 2 m/s and 10 m at 0.7 m/s; as slowly, 80 m at 0.7 m/s.
+    let fast_s = |down_m: f64| top_s + down_m.min(70.0) / 2.0 + (down_m - 70.0).max(0.0) / 0.7;
+    let slow_s = |down_m: f64| top_s + down_m / 0.7;
+    let is_at = |t_s: f64, amsl_m: f64| {
+        let mut motions = flight.segments();
+        motions.any(|motion| {
+            let is_there = (motion.at(t_s)[2] - amsl_m).abs() <= 5.0 + 1e-9;
+            motion.t0_s <= t_s + 1e-9 && t_s <= motion.t1_s + 1e-9 && is_there
+        })
+    };
+    for step in 0..=80 {
+        let down_m = f64::from(step);
+        for share in [0.0, 0.3, 0.7, 1.0] {
+            let t_s = fast_s(down_m) + share * (slow_s(down_m) - fast_s(down_m));
+            assert!(is_at(t_s, 200.0 - down_m), "{down_m} m down, {t_s} s");
+        }
+    }
+    let last_s = flight.lingers.iter().map(|motion| motion.t1_s);
+    assert!((last_s.fold(0.0, f64::max) - slow_s(80.0)).abs() < 1e-9);
+    // Points are those of the landing that the plan has.
+    assert!((flight.points.last().unwrap().t_s - fast_s(80.0)).abs() < 1e-9);
+}
+
+#[test]
+fn a_copter_whose_home_is_as_high_as_its_landing_or_who_stays_lingers_nowhere() {
+    for (finish, home_amsl_m) in [
+        (Finish::Land, 120.0),
+        (Finish::Return, 220.0),
+        (Finish::Loiter, 220.0),
+    ] {
+        let sites = VehicleSites {
+            home: at(-100.0, home_amsl_m),
+            ..sites()
+        };
+        let flight = flight(&vehicle(finish), &sites, &[route()]);
+        assert!(flight.lingers.is_empty(), "{finish:?}");
+    }
+}
+
+#[test]
+fn a_landing_is_earlier_by_what_a_lower_home_takes_from_its_slow_end() {
+    let shift_s =
+        |home_m: f64| landing_shift_s((Amsl(200.0), Amsl(home_m), Amsl(120.0)), 10.0, (2.0, 0.5));
+    let is = |found: Span, least: f64, most: f64| {
+        assert!((found.least - least).abs() < 1e-9 && (found.most - most).abs() < 1e-9);
+    };
+    // A metre takes 0.5 s fast and 2 s slowly.
+    is(shift_s(120.0), 0.0, 0.0);
+    is(shift_s(114.0), -6.0 * 1.5, 0.0);
+    is(shift_s(50.0), -10.0 * 1.5, 0.0);
+    is(shift_s(150.0), 0.0, 30.0 * 1.5);
+    is(shift_s(900.0), 0.0, 70.0 * 1.5);
 }

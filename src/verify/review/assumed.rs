@@ -191,7 +191,15 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
             is_quadplane && lands && s.vehicle.carried_by().is_some()
         },
         "a QuadPlane that comes to its landing with the wind from behind circles as it descends and touches down elsewhere (4.6.3, simulated: 64 m off in 4 m/s): its descent is judged anywhere within \
-         {quadplane.landing_drift_s} of the wind; into the wind and across it keeps within 8 m of its place: landing.heading_deg in the spec has it come into the wind",
+         {quadplane.landing_drift_s} of the wind; into the wind and across it touches down within 8 m of its place: landing.heading_deg in the spec has it come into the wind",
+    ),
+    (
+        |s| {
+            let is_quadplane =
+                s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
+            is_quadplane && matches!(s.flight.end, Some(End::Landed(_)))
+        },
+        "a QuadPlane swings beyond and beside the place that it lands at before it descends: it is judged anywhere within {quadplane.landing_overshoot_m} of it, at the altitude that it comes with",
     ),
     (
         |s| {

@@ -5,7 +5,7 @@ use crate::autopilot::{Autopilot, Motion, command_row};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, ParamFence, VehicleMission, command, first_speed_mps};
 use crate::numeric::digits::float32;
-use crate::path::heading_rad;
+use crate::path::{heading_rad, landing_shift_s};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
 use crate::verify::execute::item::Height;
@@ -121,6 +121,7 @@ impl Pilot<'_> {
         let first = self.trajectory.segments.len();
         self.touch_down(row)?;
         let drift_m = around_m + self.vehicle.landing_drift_m(course_rad);
+        self.overshoot_landing(row, (first, top));
         self.drift_down(row, (first, top), drift_m);
         Ok(())
     }
@@ -324,19 +325,6 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    /// Counts how late or early it lands where the slow end begins at its height above home and not above ground, metres
-    /// above the sea: that depends on a rangefinder or terrain data on board (`Mode::get_alt_above_ground_m`,
-    /// `FlightTask::_evaluateDistanceToGround`).
-    fn count_from_home(&mut self, (slow_m, ground_m): (f64, f64)) {
-        let (descent, top_m) = (self.descent, self.last().amsl_m);
-        let within = |amsl_m: f64| amsl_m.min(top_m).max(ground_m);
-        let from_home_m = within(self.home.amsl.0 + descent.slow_below_m);
-        let late_s =
-            (from_home_m - within(slow_m)) * (1.0 / descent.slow_mps - 1.0 / descent.fast_mps);
-        self.trajectory.late_s += late_s.max(0.0);
-        self.trajectory.early_s += (-late_s).max(0.0);
-    }
-
     /// Descends to the ground.
     fn touch_down(&mut self, row: usize) -> Result<(), Unknown> {
         let at = self.last().at;
@@ -349,7 +337,11 @@ impl Pilot<'_> {
         };
         let descent = self.descent;
         let slow_m = ground_m + descent.slow_below_m;
-        self.count_from_home((slow_m, ground_m));
+        let heights = [self.last().amsl_m, self.home.amsl.0, ground_m].map(Amsl);
+        let speeds_mps = (descent.fast_mps, descent.slow_mps);
+        let shift_s = landing_shift_s(heights.into(), descent.slow_below_m, speeds_mps);
+        self.trajectory.late_s += shift_s.most;
+        self.trajectory.early_s -= shift_s.least;
         if self.last().amsl_m > slow_m {
             self.lift(row, slow_m, descent.fast_mps, Some(Column::Ground));
         }

@@ -85,6 +85,19 @@ impl Pilot<'_> {
         hull_m.unwrap_or(0.0) + turn_m + slows_m
     }
 
+    /// Lays a disc where a QuadPlane swings around the place that it lands at before it descends, and widens the segments from
+    /// one on for the separation.
+    pub(crate) fn overshoot_landing(&mut self, row: usize, (first, top): (usize, PlanPoint)) {
+        let figure = self.vehicle.facts().behaviour.landing_overshoot_m;
+        let overshoot_m = figure.value(self.vehicle.autopilot_version);
+        if overshoot_m > 0.0 {
+            let t_s = self.trajectory.segments[first..].first();
+            let t_s = t_s.map_or(self.trajectory.t_s, |descent| descent.from_s);
+            self.widen_from(first, overshoot_m);
+            self.lay_disc(row, top, overshoot_m, (t_s, t_s));
+        }
+    }
+
     /// Lays a descent to every side too, as far as a vehicle may be driven off or come down beside its place, to be judged
     /// in space; for the separation, widens the segments from one on.
     pub(crate) fn drift_down(
