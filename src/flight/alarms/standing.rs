@@ -20,22 +20,35 @@ pub(super) struct Standing {
     pub(super) seen_s: f64,
 }
 
-/// A time in which this ground station neither listened nor looked, seconds after T0.
+/// Times in which this ground station neither listened nor looked, each before the one before was caught up with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stall {
+    /// Seconds after T0.
     from_s: f64,
     until_s: f64,
+    /// All of them together, seconds, and their number.
+    lasted_s: f64,
+    times: usize,
 }
 
 impl Stall {
-    /// What an alarm says of it that is raised at a time: after it, positions that waited are taken in, and simulated
+    /// Whether a time is before it is caught up with: after it, positions that waited are taken in, and simulated
     /// vehicles of the same machine catch up, for as long again.
+    fn reaches(&self, t_s: f64) -> bool {
+        t_s >= self.from_s && t_s <= self.until_s + self.lasted_s
+    }
+
+    /// What an alarm says of it that is raised at a time.
     fn named(&self, t_s: f64, speedup: f64) -> Option<String> {
-        let lasted_s = self.until_s - self.from_s;
-        let is_near = t_s >= self.from_s && t_s <= self.until_s + lasted_s;
-        let wall_s = lasted_s / speedup;
-        is_near.then(|| {
-            format!("the ground station had stalled for {wall_s:.1} s, {lasted_s:.0} s of flight")
+        let (lasted_s, wall_s) = (self.lasted_s, self.lasted_s / speedup);
+        let times = match self.times {
+            1 => String::new(),
+            times => format!(" {times} times,"),
+        };
+        self.reaches(t_s).then(|| {
+            format!(
+                "the ground station had stalled{times} for {wall_s:.1} s, {lasted_s:.0} s of flight"
+            )
         })
     }
 }
@@ -46,9 +59,12 @@ impl Alarms<'_> {
     pub(super) fn note_stall(&mut self, t_s: f64) -> f64 {
         let from_s = self.looked_s.unwrap_or(t_s);
         if self.speedup > 1.0 && t_s - from_s > LONG_STALL_S.max(STALL_WALL_S * self.speedup) {
+            let before = self.stall.filter(|stall| stall.reaches(from_s));
             self.stall = Some(Stall {
-                from_s,
+                from_s: before.map_or(from_s, |stall| stall.from_s),
                 until_s: t_s,
+                lasted_s: before.map_or(0.0, |stall| stall.lasted_s) + t_s - from_s,
+                times: before.map_or(0, |stall| stall.times) + 1,
             });
         }
         t_s - from_s

@@ -362,21 +362,36 @@ fn an_alarm_right_after_a_stall_of_the_ground_station_names_the_stall() {
     let spec = spec("");
     let world = World::new(&spec, crate::world::Terrain::Flat(Amsl(400.0))).expect("ground");
     let mission = mission(3);
-    let text = |speedup: f64, looks: [f64; 2], raised_s: f64| {
+    let text = |speedup: f64, looks: &[f64], raised_s: f64| {
         let mut alarms = Flying::new(&spec, &world, &mission).alarms;
         alarms.speedup = speedup;
-        looks.into_iter().for_each(|t_s| alarms.look(t_s));
+        looks.iter().for_each(|&t_s| alarms.look(t_s));
         while alarms.poll().is_some() {}
         let key = (AlarmKind::Late, 0, None, "");
         alarms.push(raised_s, key, true, "late".to_owned());
         alarms.poll().expect("an alarm").text
     };
     assert_eq!(
-        text(50.0, [100.0, 140.0], 145.0),
+        text(50.0, &[100.0, 140.0], 145.0),
         "late (the ground station had stalled for 0.8 s, 40 s of flight)"
     );
+    // One soon after another: what came late did so by both. One that came when the other was caught up with is alone.
+    assert_eq!(
+        text(50.0, &[100.0, 140.0, 141.0, 165.0], 200.0),
+        "late (the ground station had stalled 2 times, for 1.3 s, 64 s of flight)"
+    );
+    assert_eq!(
+        text(50.0, &[100.0, 140.0, 141.0, 165.0, 166.0, 196.0], 197.0),
+        "late (the ground station had stalled 3 times, for 1.9 s, 94 s of flight)"
+    );
+    let looks: Vec<f64> = (0..40).map(|s| 141.0 + 1.5 * f64::from(s)).collect();
+    let looks = [&[100.0, 140.0], looks.as_slice(), &[220.0]].concat();
+    assert_eq!(
+        text(50.0, &looks, 221.0),
+        "late (the ground station had stalled for 0.4 s, 20 s of flight)"
+    );
     // In real time, long after it, and where the turns of the loop were in time.
-    assert_eq!(text(1.0, [100.0, 106.0], 106.0), "late");
-    assert_eq!(text(50.0, [100.0, 140.0], 190.0), "late");
-    assert_eq!(text(50.0, [100.0, 102.0], 102.0), "late");
+    assert_eq!(text(1.0, &[100.0, 106.0], 106.0), "late");
+    assert_eq!(text(50.0, &[100.0, 140.0], 190.0), "late");
+    assert_eq!(text(50.0, &[100.0, 102.0], 102.0), "late");
 }
