@@ -24,7 +24,7 @@ use crate::tasks::{Assigner, FleetTasks, FreeOrder, free_orders, in_order, order
 use crate::verify::{Limit, Margin, Repair, Review, Reviewer};
 use crate::world::World;
 
-use rounds::{dispatch_closely, dispatch_in_rounds};
+use rounds::{dispatch_closely, dispatch_in_rounds, mended_in_rounds};
 use together::planned_together;
 
 pub use anytime::{Improved, Improving};
@@ -296,6 +296,15 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
         let found = planned_together(job);
         let ends = |found: &Dispatched| found.review.passes() || count > crowd::MAX_ONE_BY_ONE;
         if let Some(mut found) = found.filter(ends) {
+            // With more pairs than vehicles nobody has a way between the others.
+            let may_be_mended = (1..=count).contains(&found.violated());
+            if may_be_mended && !job.run.is_cancelled() {
+                let mended = mended_in_rounds(job, &found.plan);
+                found = match mended.is_better_than(found.rank()) {
+                    true => mended,
+                    false => found,
+                };
+            }
             found.name_those_too_near(job.spec);
             return found;
         }

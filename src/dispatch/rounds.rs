@@ -19,18 +19,33 @@ const ROUNDS: usize = 5;
 const MAX_ROUNDS: usize = 12;
 /// Rounds one after the other without fewer violations, after which no other is made.
 const FRUITLESS: usize = 2;
+/// Most evaluations of a search around nearly all others of a crowd: each of them sees all of these.
+const MENDING: usize = 1000;
 
 /// Dispatches a fleet one vehicle after the other, with those that fail planned again.
 pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
-    dispatch_from(job, Strictness::first(job.spec))
+    dispatch_from(job, Strictness::first(job.spec), None)
+}
+
+/// A plan of a fleet with those that come too near planned again around all others as they stand.
+pub(super) fn mended_in_rounds(job: Job<'_>, plan: &FleetPlan) -> Dispatched {
+    let mut spec = job.spec.clone();
+    spec.planner.evaluations = spec.planner.evaluations.min(MENDING);
+    let job = Job { spec: &spec, ..job };
+    dispatch_from(job, Strictness::first(&spec), Some(plan))
 }
 
 /// The same from margins that leave hardly more than the limits, for ways that are as narrow.
 pub(super) fn dispatch_closely(job: Job<'_>) -> Dispatched {
-    dispatch_from(job, Strictness::closest(job.spec))
+    dispatch_from(job, Strictness::closest(job.spec), None)
 }
 
-fn dispatch_from(job: Job<'_>, mut strictness: Strictness) -> Dispatched {
+/// Rounds from a plan, or from none.
+fn dispatch_from(
+    job: Job<'_>,
+    mut strictness: Strictness,
+    known: Option<&FleetPlan>,
+) -> Dispatched {
     let Job {
         spec, world, run, ..
     } = job;
@@ -45,6 +60,9 @@ fn dispatch_from(job: Job<'_>, mut strictness: Strictness) -> Dispatched {
                 progress: &progress,
             };
             match (previous, run.earlier) {
+                (Some((plan, again)), _) if known.is_some() => {
+                    plan::replan_in_place(plan, again, spec, world, &request)
+                }
                 (Some((plan, again)), _) => plan::replan(plan, again, spec, world, &request),
                 (None, Some(earlier)) => plan::plan_from(earlier, spec, world, &request),
                 (None, None) => plan::plan_fleet(spec, world, &request),
@@ -54,7 +72,7 @@ fn dispatch_from(job: Job<'_>, mut strictness: Strictness) -> Dispatched {
     let mut reviewer = Reviewer::new(judged_spec, judged_world);
     // No stricter margin keeps a vehicle out of a zone that it is planned through.
     let is_entered = |found: &Dispatched| !timed_zones::entered_in_time(job, found).is_empty();
-    let plan = plan_again(1, &strictness, None);
+    let plan = known.map_or_else(|| plan_again(1, &strictness, None), FleetPlan::clone);
     let mut latest = judged(job, &mut reviewer, (1, plan), None);
     // The best round, where that is not the latest.
     let mut best: Option<Dispatched> = None;
@@ -81,7 +99,11 @@ fn dispatch_from(job: Job<'_>, mut strictness: Strictness) -> Dispatched {
     }
     let mut best = best.unwrap_or(latest);
     best.rounds = violated.len();
-    let mut best = without_remaining_pairs(job, &mut reviewer, best);
+    // Smaller fleets are planned as a whole where pairs are left.
+    let mut best = match known.is_some() || spec.vehicles.len() > crowd::MAX {
+        true => without_remaining_pairs(job, &mut reviewer, best),
+        false => best,
+    };
     if !best.review.passes() && !is_entered(&best) && !run.is_cancelled() {
         best.add_blockers(spec, world, run.seed, strictness);
     }
@@ -97,15 +119,13 @@ fn is_worth_another(violated: &[usize]) -> bool {
     made < MAX_ROUNDS && (made < ROUNDS || fruitless < FRUITLESS)
 }
 
-/// A large fleet with single vehicles of the pairs that are left moved apart, if that is better.
-/// Smaller fleets are planned as a whole where pairs are left.
+/// A fleet with single vehicles of the pairs that are left moved apart, if that is better.
 fn without_remaining_pairs(
     job: Job<'_>,
     reviewer: &mut Reviewer<'_>,
     best: Dispatched,
 ) -> Dispatched {
-    let is_large = job.spec.vehicles.len() > crowd::MAX;
-    if !is_large || best.review.passes() || job.run.is_cancelled() {
+    if best.review.passes() || job.run.is_cancelled() {
         return best;
     }
     let Some(plan) = moved_apart(job, &best) else {

@@ -27,7 +27,7 @@ pub(crate) use fleet::rests::rests_of;
 pub use fleet::shapes::{Shape, Shaper};
 pub use fleet::{
     Progress, Request, certify, plan_each_alone, plan_fleet, plan_fleet_with, plan_from,
-    plan_one_at_a_time, replan, replan_from,
+    plan_one_at_a_time, replan, replan_from, replan_in_place,
 };
 pub use search::objective::{objective, objective_specs};
 pub use search_options::SearchOptions;

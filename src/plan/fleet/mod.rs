@@ -245,17 +245,36 @@ pub fn replan(
     world: &World,
     request: &Request<'_>,
 ) -> FleetPlan {
-    let planning = Planning::new(spec, world, request);
     let is_whole = previous.vehicles.len() == spec.vehicles.len();
     let is_large = is_whole && spec.vehicles.len() > MAX_IN_ORDER;
-    let mut plan = match is_large && spec.planner.objective != Objective::Paper {
-        true => FleetPlan {
-            seed: request.seed,
-            vehicles: repaired(planning, &previous.vehicles, again),
-        },
-        false => Fleet::new(planning, again, previous.vehicles.clone()).plan_in_parallel(),
+    if is_large && spec.planner.objective != Objective::Paper {
+        return replan_in_place(previous, again, spec, world, request);
+    }
+    let planning = Planning::new(spec, world, request);
+    let plan = Fleet::new(planning, again, previous.vehicles.clone()).plan_in_parallel();
+    with_bounds_of(previous, plan)
+}
+
+/// Plans the vehicles at the indices `again` of a whole plan anew around all others as they stand; a vehicle for
+/// which that fails pushes aside those after it.
+#[must_use]
+pub fn replan_in_place(
+    previous: &FleetPlan,
+    again: &[usize],
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+) -> FleetPlan {
+    let planning = Planning::new(spec, world, request);
+    let plan = FleetPlan {
+        seed: request.seed,
+        vehicles: repaired(planning, &previous.vehicles, again),
     };
-    // Neither margins nor other flights change a bound.
+    with_bounds_of(previous, plan)
+}
+
+/// A plan with the bounds of an earlier one: neither margins nor other flights change them.
+fn with_bounds_of(previous: &FleetPlan, mut plan: FleetPlan) -> FleetPlan {
     for (vehicle, previous) in plan.vehicles.iter_mut().zip(&previous.vehicles) {
         vehicle.set_bound(previous.bound);
     }

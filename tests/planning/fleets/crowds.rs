@@ -126,6 +126,17 @@ fn a_crowd_without_any_plan_ends_with_who_is_in_whose_way() {
     }
 }
 
+/// No rule for all of them, and no variants of their paths, kept more than some thirty pairs apart.
+#[test]
+fn thirty_that_cross_at_one_place_among_masts_and_zones_pass() {
+    let path = Path::new("tests/data/hard/crowd-among-masts.yaml");
+    let text = std::fs::read_to_string(path).expect("a spec");
+    let dispatched = planned(text, 1);
+    let mut broken = dispatched.review.margins.iter().filter(|margin| !margin.ok);
+    assert!(dispatched.review.passes(), "{:?}", broken.next());
+    assert!(dispatched.rounds > 1, "planned as a whole at once");
+}
+
 #[test]
 fn fourteen_pass_where_no_shape_of_the_first_set_is_free() {
     // With seeds 4 and 10 conflicts are left until shapes at random are tried.
