@@ -51,22 +51,7 @@ fn dispatch_from(
     } = job;
     let plan_again =
         |round: usize, strictness: &Strictness, previous: Option<(&FleetPlan, &[usize])>| {
-            let progress = |at| (run.watch)(Stage::Planning(round, at));
-            let request = Request {
-                seed: run.seed,
-                cancel: run.cancel,
-                margins: strictness.margins.clone(),
-                extra_parameters: strictness.parameters.clone(),
-                progress: &progress,
-            };
-            match (previous, run.earlier) {
-                (Some((plan, again)), _) if known.is_some() => {
-                    plan::replan_in_place(plan, again, spec, world, &request)
-                }
-                (Some((plan, again)), _) => plan::replan(plan, again, spec, world, &request),
-                (None, Some(earlier)) => plan::plan_from(earlier, spec, world, &request),
-                (None, None) => plan::plan_fleet(spec, world, &request),
-            }
+            planned_again(job, (round, strictness), previous, known.is_some())
         };
     let (judged_spec, judged_world) = job.judged;
     let mut reviewer = Reviewer::new(judged_spec, judged_world);
@@ -108,6 +93,34 @@ fn dispatch_from(
         best.add_blockers(spec, world, run.seed, strictness);
     }
     best
+}
+
+/// The plan of a round: of some vehicles again after the plan before, in place or in their order.
+fn planned_again(
+    job: Job<'_>,
+    (round, strictness): (usize, &Strictness),
+    previous: Option<(&FleetPlan, &[usize])>,
+    in_place: bool,
+) -> FleetPlan {
+    let Job {
+        spec, world, run, ..
+    } = job;
+    let progress = |at| (run.watch)(Stage::Planning(round, at));
+    let request = Request {
+        seed: run.seed,
+        cancel: run.cancel,
+        margins: strictness.margins.clone(),
+        extra_parameters: strictness.parameters.clone(),
+        progress: &progress,
+    };
+    match (previous, run.earlier) {
+        (Some((plan, again)), _) if in_place => {
+            plan::replan_in_place(plan, again, spec, world, &request)
+        }
+        (Some((plan, again)), _) => plan::replan(plan, again, spec, world, &request),
+        (None, Some(earlier)) => plan::plan_from(earlier, spec, world, &request),
+        (None, None) => plan::plan_fleet(spec, world, &request),
+    }
 }
 
 /// Whether another round may leave fewer violations than those before, by what each of them left.
