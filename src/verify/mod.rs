@@ -173,7 +173,9 @@
 //! legs, and still on the legs of the next 34 s, until one of that length does not descend. No higher than the ends of these legs
 //! and 3.3 s of their greatest descent: where the line above a leg is higher, it is level there.
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
-//! before it, by its sources.
+//! before it, by its sources. On a leg to a circle it also climbs with `climb_mps` or descends with `descent_mps` from the beginning of
+//! the leg to the altitude of the circle, is level from there, and is anywhere between that and its slope, at lines up to 20 m
+//! apart; so on all ways to the circle that are judged.
 //!
 //! **Swings.** ArduPlane follows its legs by the L1 law: the way that it gives is judged in space besides the legs, and
 //! for the separation the vehicle is anywhere within what that way is beside the legs 2 s before and after, and late by

@@ -4,7 +4,7 @@
 use crate::support;
 use crate::support::missions;
 use missions::{GROUND_M, at, mission, waypoint};
-use sortie::geodesy::{EastNorth, LatLon};
+use sortie::geodesy::{Amsl, EastNorth, LatLon};
 use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
 use sortie::spec::*;
 use sortie::verify::{Limit, Margin, review, verified_trajectories};
@@ -399,7 +399,7 @@ fn low_wall(at: LatLon, below_m: f64) -> Zone {
         polygon: [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
             .map(|(east_m, north_m)| spot(middle.east_m + east_m, middle.north_m + north_m))
             .to_vec(),
-        ceiling: Some(Placement::Amsl(sortie::geodesy::Amsl(below_m))),
+        ceiling: Some(Placement::Amsl(Amsl(below_m))),
         ..Zone::default()
     }
 }
@@ -584,6 +584,26 @@ fn a_wing_on_a_leg_of_a_moment_is_no_further_off_its_line_than_it_climbs_there()
     mission.items[4].z += 20.0;
     let found = margin(&spec, &mission, &Limit::TerrainClearance).expect("judged");
     assert!(found.value > 55.0 && found.value < 80.0, "{found:?}");
+}
+
+/// PX4 1.17 of January 2026, its simulated VTOL at 9 m/s: it climbed at 3.4 m/s as soon as it headed for its circle, up to 17.9 m
+/// above the slope to there. No slope leads to a circle (`FixedWingPositionControl::control_auto_loiter`).
+#[test]
+fn a_wing_of_px4_climbs_and_descends_at_once_on_its_leg_to_a_circle() {
+    for (from_m, to_m) in [(54.0, 92.25), (92.25, 54.0)] {
+        let (mut spec, mut mission) = quadplane(Autopilot::Px4);
+        mission.items[2] = waypoint(spot(2400.0, 0.0), GROUND_M + from_m);
+        mission.items[3].z = (GROUND_M + to_m) as f32;
+        // Half of the way there it is at its altitude, 19 m off the slope.
+        let there = low_wall(spot(2700.0, 0.0), GROUND_M + to_m + 4.0);
+        spec.no_fly = vec![Zone {
+            floor: Some(Placement::Amsl(Amsl(GROUND_M + to_m - 4.0))),
+            ..there
+        }];
+        let wall = Limit::Zone("wall".to_owned());
+        let away_m = margin(&spec, &mission, &wall).expect("judged").value;
+        assert!(away_m < 0.0, "{from_m} to {to_m} m: {away_m} m");
+    }
 }
 
 /// ArduPlane 4.7.0-dev of February 2026, its simulated QuadPlane, 16 m/s, 2 m/s of wind from ahead: 10.7 m beyond its place and

@@ -70,7 +70,9 @@ class Circles:
             edge = start + math.sqrt(away * away - rim * rim) * direction(toward)
         first, turned = len(self.motions), self.turned_off(middle)
         self.append(type(last)(self.plane.place(edge), amsl, None, self.speed))
+        self.onto_circle = True
         self.legs(self.speed)
+        self.onto_circle = False
         for out in [last, *(self.knot_off(last, at, middle, amsl) for at in turned)]:
             self.lay(self.flat(out), middle, out.amsl, amsl)
             for height in self.arrival:
@@ -88,7 +90,7 @@ class Circles:
         if inside:
             for motion in self.motions[first:]:
                 motion.wide = max(motion.wide, rim + 2 * self.turn_radius)
-            ends = [min(end, height.top) for height in self.arrival for end in (height.start, height.end)]
+            ends = [max(min(end, height.top), height.bottom) for height in self.arrival for end in (height.start, height.end)]
             for height in (last.amsl, amsl, *ends):
                 self.disc(middle, rim + 2 * self.turn_radius, height)
         return last, middle, edge

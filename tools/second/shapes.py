@@ -10,18 +10,21 @@ from .earth import A, axes, ecef, geodetic
 
 @dataclass
 class Height:
-    """Altitude along a shape: linear above the sea, or above the ground, and level where that is above a top."""
+    """Altitude along a shape: linear above the sea, or above the ground, and level where that is above a top or below a bottom."""
 
     follows: bool
     start: float
     end: float
     top: float = math.inf
+    bottom: float = -math.inf
 
     def parts(self, start=0.0, end=1.0):
         """From one share to another in straight pieces: the shares of the way at their ends, and the altitudes there."""
         here, there = (self.start + (self.end - self.start) * s for s in (start, end))
-        at = (self.top - here) / (there - here) if there != here else -1.0
-        ends = [(0.0, min(here, self.top)), *([(at, self.top)] if 0 < at < 1 else []), (1.0, min(there, self.top))]
+        level = self.top if math.isinf(self.bottom) else self.bottom
+        at = (level - here) / (there - here) if there != here else -1.0
+        low, high = (max(min(end, self.top), self.bottom) for end in (here, there))
+        ends = [(0.0, low), *([(at, level)] if 0 < at < 1 else []), (1.0, high)]
         return zip(ends, ends[1:])
 
     def amsl(self, ground, lat, lon, s):

@@ -86,6 +86,7 @@ class WingFlight(ClimbOut, Circles, Flight):
         self.small = 0.0 if not ardupilot else math.trunc(small) or math.inf
         self.law = Law(params, n) if ardupilot else Px4Law(params, n, self.wind is not None)
         self.moving, self.early_top, self.hull, self.short, self.bent = 0.0, None, None, 0, 0.0
+        self.onto_circle = False
         self.down = self.lag
         super().__init__(vehicle, items, ground, 0.0)
 
@@ -337,12 +338,25 @@ class WingFlight(ClimbOut, Circles, Flight):
                     steps = math.ceil(abs(off) / BETWEEN_M) if abs(off) > OFF_M else 0
                     heights += [Height(False, leg.height.start + off * n / steps, leg.height.end + off * n / steps, top)
                                 for n in range(1, steps + 1)]
+            if self.onto_circle and not self.ardupilot and b is knots[-1] and not follows:
+                heights += self.at_once(leg.height, lasts)
             behind = [replace(of, ago=of.ago + lasts) for of in behind] + [Behind(rate, left, high)]
             if rise >= 0 and lasts > 2 * self.down:
                 self.down = self.lag
         below, above, top = self.lagging(behind, 0.0, 0.0, knots[-1].amsl)
         self.arrival, self.still = found[-1][1:], (below, min(above, top - knots[-1].amsl))
         return found
+
+    def at_once(self, height, lasts):
+        """PX4 follows no slope to a circle: it climbs or descends as fast as it does, and those between that and the slope."""
+        rise = height.end - height.start
+        share = abs(rise) / self.vehicle["climb_mps" if rise > 0 else "descent_mps"] / max(lasts, 1e-9)
+        if abs(rise) < OFF_M or share >= 1:
+            return []
+        steps = min(max(math.ceil((1 - share) * abs(rise) / BETWEEN_M), 1), 20)
+        ends = {"top": height.end} if rise > 0 else {"bottom": height.end}
+        return [Height(False, height.start, height.start + rise / (1 - n / steps * (1 - share)), **ends)
+                for n in range(1, steps + 1)]
 
     def lagging(self, behind, rate, left, high):
         """How far below and above its altitudes it is on a leg, and how high at most."""

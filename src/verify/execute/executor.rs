@@ -92,6 +92,7 @@ pub(crate) fn fly(
         transition_lag_s: 0.0,
         arrival: Arrival::default(),
         early_m: altitude_lag::early_m(vehicle, mission),
+        is_onto_circle: false,
         circle_m: None,
         tangent: None,
         is_doubled: false,
@@ -164,6 +165,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) arrival: Arrival,
     /// So far before a waypoint it has its altitude, metres.
     pub(crate) early_m: f64,
+    /// The last of the legs that are flown leads to a circle.
+    pub(crate) is_onto_circle: bool,
     /// The radius of the circle before on rotors, metres.
     circle_m: Option<f64>,
     /// The tangent at the end of the spline that it comes from, if it does not stop there.

@@ -47,8 +47,9 @@ pub(crate) struct AltitudeLine {
     pub(crate) follows: bool,
     /// At the ends, metres.
     value_m: (f64, f64),
-    /// Where the line is above it, it is level here, metres.
+    /// Where the line is above the one or below the other, it is level there, metres.
     top_m: f64,
+    bottom_m: f64,
 }
 
 impl AltitudeLine {
@@ -58,6 +59,7 @@ impl AltitudeLine {
             follows,
             value_m,
             top_m: f64::INFINITY,
+            bottom_m: f64::NEG_INFINITY,
         }
     }
 
@@ -67,14 +69,18 @@ impl AltitudeLine {
 
     /// The altitudes at its ends, metres.
     pub(crate) fn ends_m(&self) -> (f64, f64) {
-        let (from_m, to_m) = self.value_m;
-        (from_m.min(self.top_m), to_m.min(self.top_m))
+        let level = |value_m: f64| value_m.min(self.top_m).max(self.bottom_m);
+        (level(self.value_m.0), level(self.value_m.1))
     }
 
     /// A segment along the line and the altitudes at its ends, metres: two where it is level in part.
     fn in_parts(&self, segment: Segment) -> (Laid, Option<Laid>) {
         let ends_m = self.ends_m();
-        let u = (self.top_m - self.value_m.0) / self.change_m();
+        let level_m = match self.bottom_m.is_finite() {
+            true => self.bottom_m,
+            false => self.top_m,
+        };
+        let u = (level_m - self.value_m.0) / self.change_m();
         if !(0.0 < u && u < 1.0) {
             return ((segment, ends_m), None);
         }
@@ -90,8 +96,8 @@ impl AltitudeLine {
             ..segment
         };
         (
-            (first, (ends_m.0, self.top_m)),
-            Some((last, (self.top_m, ends_m.1))),
+            (first, (ends_m.0, level_m)),
+            Some((last, (level_m, ends_m.1))),
         )
     }
 
@@ -115,6 +121,18 @@ impl AltitudeLine {
         Self {
             value_m: (self.value_m.0, self.value_m.0 + self.change_m() / fraction),
             ..*self
+        }
+    }
+
+    /// That slope, and level from there.
+    pub(crate) fn hastened(&self, fraction: f64) -> Self {
+        let (end_m, slope) = (self.value_m.1, self.steeper(fraction));
+        match self.change_m() > 0.0 {
+            true => slope.below(end_m),
+            false => Self {
+                bottom_m: end_m,
+                ..slope
+            },
         }
     }
 

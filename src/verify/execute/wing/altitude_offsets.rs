@@ -98,6 +98,24 @@ impl Pilot<'_> {
         }
     }
 
+    /// The altitudes of a leg to a circle of PX4 that takes so long, seconds: it climbs or descends at once, and no slope leads
+    /// there (`FixedWingPositionControl::control_auto_loiter`). Those between that and its line.
+    fn at_once(&self, line: &AltitudeLine, lasts_s: f64) -> Vec<AltitudeLine> {
+        let change_m = line.change_m();
+        let rate_mps = match change_m > 0.0 {
+            true => self.vehicle.climb_mps,
+            false => self.vehicle.descent_mps,
+        };
+        let share = change_m.abs() / rate_mps / lasts_s;
+        if line.follows || change_m.abs() < TOLERANCE_M || !(0.0..1.0).contains(&share) {
+            return Vec::new();
+        }
+        let steps = geometry::steps((1.0 - share) * change_m.abs(), APART_M, (1, 20));
+        let shares = (1..=steps).map(|step| f64::from(step) / f64::from(steps));
+        let lines = shares.map(|of_all| line.hastened(1.0 - of_all * (1.0 - share)));
+        lines.collect()
+    }
+
     /// When each leg begins and ends, seconds.
     pub(crate) fn times_s(&self, firsts: &[usize]) -> Vec<(f64, f64)> {
         let segments = &self.trajectory.segments;
@@ -156,6 +174,9 @@ impl Pilot<'_> {
                         }));
                     }
                 }
+            }
+            if self.is_onto_circle && self.early_m > 0.0 && all.len() + 2 == knots.len() {
+                lines.extend(self.at_once(&line, when.1 - when.0));
             }
             lag.go_on(&leg, is_free);
             all.push(lines);

@@ -338,7 +338,9 @@ impl Pilot<'_> {
         let rim = self.knot(row, rim_at, amsl_m, None);
         self.append(rim)?;
         let speed_mps = rim.speed_mps;
+        self.is_onto_circle = true;
         self.fly_to_last(speed_mps)?;
+        self.is_onto_circle = false;
         self.straight_in(row, (from, 0.0), middle, amsl_m)?;
         self.lay_between(from, &rim, (middle, rim_m))?;
         for at in turned {
