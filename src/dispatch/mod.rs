@@ -297,13 +297,11 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
         let ends = |found: &Dispatched| found.review.passes() || count > crowd::MAX_ONE_BY_ONE;
         if let Some(mut found) = found.filter(ends) {
             // With more pairs than vehicles nobody has a way between the others.
-            let may_be_mended = (1..=count).contains(&found.violated());
-            if may_be_mended && !job.run.is_cancelled() {
+            if (1..=count).contains(&found.violated()) && !job.run.is_cancelled() {
                 let mended = mended_in_rounds(job, &found.plan);
-                found = match mended.is_better_than(found.rank()) {
-                    true => mended,
-                    false => found,
-                };
+                if mended.is_better_than(found.rank()) {
+                    found = mended;
+                }
             }
             found.name_those_too_near(job.spec);
             return found;

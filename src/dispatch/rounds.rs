@@ -19,7 +19,7 @@ const ROUNDS: usize = 5;
 const MAX_ROUNDS: usize = 12;
 /// Rounds one after the other without fewer violations, after which no other is made.
 const FRUITLESS: usize = 2;
-/// Most evaluations of a search around nearly all others of a crowd: each of them sees all of these.
+/// Most evaluations of a search around all others of a crowd: each evaluation looks at all of them.
 const MENDING: usize = 1000;
 
 /// Dispatches a fleet one vehicle after the other, with those that fail planned again.
@@ -27,7 +27,13 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     dispatch_from(job, Strictness::first(job.spec), None)
 }
 
-/// A plan of a fleet with those that come too near planned again around all others as they stand.
+/// The same from margins that leave hardly more than the limits, for ways that are as narrow.
+pub(super) fn dispatch_closely(job: Job<'_>) -> Dispatched {
+    dispatch_from(job, Strictness::closest(job.spec), None)
+}
+
+/// Repairs a plan of a whole crowd: vehicles that come too near to others are planned again around all others as they
+/// stand.
 pub(super) fn mended_in_rounds(job: Job<'_>, plan: &FleetPlan) -> Dispatched {
     let mut spec = job.spec.clone();
     spec.planner.evaluations = spec.planner.evaluations.min(MENDING);
@@ -35,12 +41,7 @@ pub(super) fn mended_in_rounds(job: Job<'_>, plan: &FleetPlan) -> Dispatched {
     dispatch_from(job, Strictness::first(&spec), Some(plan))
 }
 
-/// The same from margins that leave hardly more than the limits, for ways that are as narrow.
-pub(super) fn dispatch_closely(job: Job<'_>) -> Dispatched {
-    dispatch_from(job, Strictness::closest(job.spec), None)
-}
-
-/// Rounds from a plan, or from none.
+/// Rounds that begin with a plan, or with none.
 fn dispatch_from(
     job: Job<'_>,
     mut strictness: Strictness,

@@ -8,9 +8,9 @@
 
 use crate::autopilot::{Airframe, SLOW_LANDING_M};
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::numeric::SpeedProfile;
 use crate::numeric::approach::Segment;
 use crate::numeric::tracks::Track;
+use crate::numeric::{SpeedProfile, geometry};
 use crate::path::{TimedPoint, landing_shift_s, wing};
 use crate::spec::{Finish, Span, Vehicle};
 use crate::world::{Departure, VehicleSites};
@@ -312,15 +312,14 @@ fn lingering(motion: &[TimedPoint], shift_s: Span) -> Vec<Segment> {
     }
     let part = |pair: &[TimedPoint]| {
         let (from, to) = (pair[0], pair[1]);
-        let parts = (from.point.distance_m(to.point) / LINGER_M).ceil().max(1.0);
+        let parts = geometry::steps(from.point.distance_m(to.point), LINGER_M, (1, u16::MAX));
         let share = move |share: f64| TimedPoint {
             point: from.point.toward(to.point, share),
             t_s: from.t_s + share * (to.t_s - from.t_s),
         };
-        let bounds = std::iter::successors(Some(0.0), |number| Some(number + 1.0));
-        let bounds = bounds.take_while(move |number| *number < parts);
-        bounds.map(move |number| {
-            let (first, last) = (share(number / parts), share((number + 1.0) / parts));
+        (0..parts).map(move |part| {
+            let [first, last] =
+                [part, part + 1].map(|end| share(f64::from(end) / f64::from(parts)));
             let at = first.point.toward(last.point, 0.5);
             let place = [at.at.east_m, at.at.north_m, at.amsl.0];
             let (from_s, to_s) = (first.t_s + shift_s.least, last.t_s + shift_s.most);

@@ -187,8 +187,9 @@
 //! speed: the climb is judged there as well. From the top it flies on where its nose points, which nobody knows: it is
 //! judged anywhere within 80 m, two turn radii and 21 s of the wind more, in the hull of that disc and the first place (and
 //! the next, from a place within the disc), on the ways of its L1 law that come to that place on any course through the hull,
-//! and as late as 80 m and two turn radii take against the wind. It swings around the place that it lands at before it descends:
-//! a disc of 18 m there. A descent to which it comes with the wind from behind is judged anywhere within 20 s of that wind. In more than 4 m/s of wind the verdict fails, on a plane in more than 6 m/s.
+//! and as late as 80 m and two turn radii take against the wind. It overshoots the place that it lands at before it descends: a disc
+//! of 18 m there. A descent to which it comes with the wind from behind is judged anywhere within 20 s of that wind. In more
+//! than 4 m/s of wind the verdict fails, on a plane in more than 6 m/s.
 //!
 //! **In the air.** A vehicle that departs in the air is at its position at that time, and begins its
 //! first leg with as much of its speed as points along it. On a wing that is inside of its circle

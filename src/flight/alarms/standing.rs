@@ -20,7 +20,7 @@ pub(super) struct Standing {
     pub(super) seen_s: f64,
 }
 
-/// Times in which this ground station neither listened nor looked, each before the one before was caught up with.
+/// Stalls of this ground station, in which it neither listened nor looked: each began before it had caught up with the last.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stall {
     /// Seconds after T0.
@@ -32,13 +32,13 @@ pub(super) struct Stall {
 }
 
 impl Stall {
-    /// Whether a time is before it is caught up with: after it, positions that waited are taken in, and simulated
+    /// Whether a time is before it has caught up: after a stall, positions that waited are taken in, and simulated
     /// vehicles of the same machine catch up, for as long again.
     fn reaches(&self, t_s: f64) -> bool {
         t_s >= self.from_s && t_s <= self.until_s + self.lasted_s
     }
 
-    /// What an alarm says of it that is raised at a time.
+    /// What an alarm that is raised at a time says of them.
     fn named(&self, t_s: f64, speedup: f64) -> Option<String> {
         let (lasted_s, wall_s) = (self.lasted_s, self.lasted_s / speedup);
         let times = match self.times {

@@ -36,6 +36,11 @@ const ASSUMED: [&str; 4] = [
 /// [`crate::autopilot`] as `{vehicle.figure}` or `{PARAMETER}`.
 type Assumption = (fn(&Sortie<'_>) -> bool, &'static str);
 
+fn is_quadplane(sortie: &Sortie<'_>) -> bool {
+    let (mission, vehicle) = (sortie.mission, sortie.vehicle);
+    mission.autopilot == Autopilot::ArduPilot && vehicle.airframe == Airframe::Vtol
+}
+
 const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.vehicle.airframe != Airframe::Plane,
@@ -170,36 +175,26 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
     ),
     (
-        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
+        is_quadplane,
         "a QuadPlane that descends from its climb is {quadplane.transition_lag_s} of its descent above those legs until it has levelled, but no higher than the top of that climb plus the lag of any wing: \
          judged there too, but not the separation there",
     ),
     (
-        |s| {
-            let is_quadplane =
-                s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
-            is_quadplane && s.vehicle.wind.is_some()
-        },
+        |s| is_quadplane(s) && s.vehicle.wind.is_some(),
         "a QuadPlane may be driven off to any side as it climbs, with {quadplane.drift_share} of the wind and {quadplane.drift_s} of it more until it is on its first leg (4.6.3, simulated, up to 4 m/s): \
          climb and first leg are judged there too. In more than {quadplane.max_wind_mps} it was driven off by up to 267 m (4.7.0-dev, simulated), and the verdict fails",
     ),
     (
         |s| {
-            let is_quadplane =
-                s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
             let lands = matches!(s.flight.end, Some(End::Landed(_)));
-            is_quadplane && lands && s.vehicle.carried_by().is_some()
+            is_quadplane(s) && lands && s.vehicle.carried_by().is_some()
         },
         "a QuadPlane that comes to its landing with the wind from behind circles as it descends and touches down elsewhere (4.6.3, simulated: 64 m off in 4 m/s): its descent is judged anywhere within \
          {quadplane.landing_drift_s} of the wind; into the wind and across it touches down within 8 m of its place: landing.heading_deg in the spec has it come into the wind",
     ),
     (
-        |s| {
-            let is_quadplane =
-                s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
-            is_quadplane && matches!(s.flight.end, Some(End::Landed(_)))
-        },
-        "a QuadPlane swings beyond and beside the place that it lands at before it descends: it is judged anywhere within {quadplane.landing_overshoot_m} of it, at the altitude that it comes with",
+        |s| is_quadplane(s) && matches!(s.flight.end, Some(End::Landed(_))),
+        "a QuadPlane overshoots the place that it lands at before it descends, along its leg and beside it: it is judged anywhere within {quadplane.landing_overshoot_m} of that place, at the altitude of its approach",
     ),
     (
         |s| {
@@ -210,7 +205,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
         "VTOLs of PX4 were flown in 2 and 4 m/s of wind alone: that they keep to the columns of takeoff and landing in it is assumed",
     ),
     (
-        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
+        is_quadplane,
         "a QuadPlane goes on from its climb where its nose points, anywhere, and turns from there: it is judged anywhere within {quadplane.transition_m} and two turn radii of the end of its climb, and between there and its first place (4.7.0-dev, simulated, nose backwards: 180 m beside its first leg)",
     ),
     (

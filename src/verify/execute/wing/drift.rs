@@ -85,14 +85,14 @@ impl Pilot<'_> {
         hull_m.unwrap_or(0.0) + turn_m + slows_m
     }
 
-    /// Lays a disc where a QuadPlane swings around the place that it lands at before it descends, and widens the segments from
-    /// one on for the separation.
+    /// Lays a disc where a QuadPlane overshoots the place that it lands at, before it descends; for the separation, widens
+    /// the segments from one on.
     pub(crate) fn overshoot_landing(&mut self, row: usize, (first, top): (usize, PlanPoint)) {
         let figure = self.vehicle.facts().behaviour.landing_overshoot_m;
         let overshoot_m = figure.value(self.vehicle.autopilot_version);
         if overshoot_m > 0.0 {
-            let t_s = self.trajectory.segments[first..].first();
-            let t_s = t_s.map_or(self.trajectory.t_s, |descent| descent.from_s);
+            let descent = self.trajectory.segments.get(first);
+            let t_s = descent.map_or(self.trajectory.t_s, |descent| descent.from_s);
             self.widen_from(first, overshoot_m);
             self.lay_disc(row, top, overshoot_m, (t_s, t_s));
         }
