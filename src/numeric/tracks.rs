@@ -1,12 +1,17 @@
 //! Which of many tracks come too near to one: a space-time index over their pieces, and
 //! the exact closest approach for the pieces it brings together.
 
+mod ends;
+
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::approach::{Segment, Whole, are_surely_apart, closest_approach, closest_horizontal};
 use super::cells::{Cells, Extent};
+use ends::ByPlace;
+
+pub use ends::{CLEAR_M, CLEARED_AFTER_S, Ends, LEVEL_M};
 
 /// Most motions that share a box, and fewest that are split once more.
 const MAX_OF_RUN: usize = 64;
@@ -26,6 +31,8 @@ pub struct Nearness {
     pub vertical_m: Option<f64>,
     /// One may be this much later or earlier than it says, seconds.
     pub slack_s: f64,
+    /// One lands nearer than this to where the other stands, metres; 0 where that does not count.
+    pub clear_m: f64,
 }
 
 impl Nearness {
@@ -35,6 +42,12 @@ impl Nearness {
             Some(vertical_m) => closest_horizontal(a, b, self.slack_s, vertical_m),
         };
         nearest.is_some_and(|nearest| nearest.value < self.distance_m)
+    }
+
+    /// Whether one of two lands where the other stands.
+    fn is_broken_on_ground(&self, own: Option<&Ends>, other: &Track) -> bool {
+        let ends = own.zip(other.ends.as_ref());
+        ends.is_some_and(|(own, other)| own.are_in_conflict(other, self.clear_m, self.slack_s))
     }
 
     /// Heights that differ by more never count, metres.
@@ -48,6 +61,8 @@ impl Nearness {
 pub struct Track {
     segments: Vec<Segment>,
     runs: Vec<Run>,
+    /// Where it stands on the ground before and after, if that counts.
+    ends: Option<Ends>,
 }
 
 /// A box around motions that follow each other, and one motion that is near to all of them.
@@ -151,7 +166,17 @@ impl Track {
                 Run::push_all(part.0, part.1, &mut runs);
             }
         }
-        Self { segments, runs }
+        Self {
+            segments,
+            runs,
+            ends: None,
+        }
+    }
+
+    /// The same of who stands at its ends.
+    #[must_use]
+    pub fn standing_at(self, ends: Option<Ends>) -> Self {
+        Self { ends, ..self }
     }
 
     /// The motions.
@@ -201,6 +226,7 @@ pub struct Tracks {
     least: [f64; 3],
     tracks: Vec<Track>,
     parts: Vec<Part>,
+    by_place: ByPlace,
 }
 
 /// Tracks from `first` on, as far as the next part.
@@ -221,6 +247,7 @@ impl Tracks {
             least: [4.0 * nearness.slack_s.max(5.0), side_m, side_m],
             tracks: Vec::new(),
             parts: Vec::new(),
+            by_place: ByPlace::default(),
         }
     }
 
@@ -246,6 +273,11 @@ impl Tracks {
     pub fn extend(&mut self, tracks: impl IntoIterator<Item = Track>) {
         let mut first = self.tracks.len();
         self.tracks.extend(tracks);
+        for (number, track) in self.tracks.iter().enumerate().skip(first) {
+            if let Some(ends) = &track.ends {
+                self.by_place.add(number, ends);
+            }
+        }
         while let Some(part) = self.parts.last() {
             if first - part.first > PARTS * (self.tracks.len() - first) {
                 break;
@@ -286,7 +318,7 @@ impl Tracks {
         nearness: &Nearness,
         Range { start: from, end }: Range<usize>,
     ) -> Vec<usize> {
-        let mut is_near = vec![false; self.tracks.len()];
+        let mut is_near = self.near_on_ground((own, 0.0), nearness, &(from..end));
         let ends = self.parts.iter().skip(1).map(|part| part.first);
         let ends = ends.chain([self.tracks.len()]);
         let parts = self.parts.iter().zip(ends);
@@ -318,12 +350,12 @@ impl Tracks {
         among: Range<usize>,
         delays_s: &[f64],
     ) -> Vec<Vec<usize>> {
-        let pairs = self.pairs_of_runs(own, nearness, among, delays_s);
+        let pairs = self.pairs_of_runs(own, nearness, &among, delays_s);
         let near = |later_s: f64| {
             let runs = own.runs.iter().map(|run| run.later(later_s));
             let runs: Vec<Run> = runs.collect();
             let reaches: Vec<Extent> = runs.iter().map(|run| run.reach(nearness)).collect();
-            let mut is_near = vec![false; self.tracks.len()];
+            let mut is_near = self.near_on_ground((own, later_s), nearness, &among);
             for &(run, track, other) in &pairs {
                 if is_near[track] {
                     continue;
@@ -345,7 +377,7 @@ impl Tracks {
         &self,
         own: &Track,
         nearness: &Nearness,
-        among: Range<usize>,
+        among: &Range<usize>,
         delays_s: &[f64],
     ) -> Vec<(usize, usize, usize)> {
         /// More than rounding takes from a time, seconds.
@@ -371,6 +403,40 @@ impl Tracks {
         pairs
     }
 
+    /// By number, which of the tracks in a range stand where one lands that is flown some seconds later, or land where
+    /// that stands.
+    fn near_on_ground(
+        &self,
+        (own, later_s): (&Track, f64),
+        nearness: &Nearness,
+        among: &Range<usize>,
+    ) -> Vec<bool> {
+        let mut is_near = vec![false; self.tracks.len()];
+        let found = self.on_ground((own, later_s), nearness);
+        for number in found.filter(|number| among.contains(number)) {
+            is_near[number] = true;
+        }
+        is_near
+    }
+
+    /// The numbers of those, some of them twice.
+    fn on_ground(
+        &self,
+        (own, later_s): (&Track, f64),
+        nearness: &Nearness,
+    ) -> impl Iterator<Item = usize> {
+        let counts = nearness.clear_m > 0.0;
+        let ends = own.ends.filter(|_| counts).map(|ends| ends.later(later_s));
+        let near = ends
+            .into_iter()
+            .flat_map(|ends| self.by_place.near(ends).map(move |number| (ends, number)));
+        let nearness = *nearness;
+        let met = near.filter(move |(ends, number)| {
+            nearness.is_broken_on_ground(Some(ends), &self.tracks[*number])
+        });
+        met.map(|(_, number)| number)
+    }
+
     /// Whether any of the tracks that count comes too near to a track that is flown some seconds
     /// later. `counts` gets the number of a track.
     #[must_use]
@@ -380,21 +446,22 @@ impl Tracks {
         nearness: &Nearness,
         counts: impl Fn(usize) -> bool,
     ) -> bool {
-        own.runs.iter().any(|run| {
-            let run = &run.later(later_s);
-            let reach = run.reach(nearness);
-            self.parts.iter().any(|part| {
-                part.cells.any(&reach, |item| {
-                    let (track, other) = part.items[item];
-                    let track = track as usize;
-                    let track_of = &self.tracks[track];
-                    let other = &track_of.runs[other as usize];
-                    run.may_meet(&reach, other, nearness)
-                        && counts(track)
-                        && own.meets((run, later_s), (track_of, other), nearness)
+        self.on_ground((own, later_s), nearness).any(&counts)
+            || own.runs.iter().any(|run| {
+                let run = &run.later(later_s);
+                let reach = run.reach(nearness);
+                self.parts.iter().any(|part| {
+                    part.cells.any(&reach, |item| {
+                        let (track, other) = part.items[item];
+                        let track = track as usize;
+                        let track_of = &self.tracks[track];
+                        let other = &track_of.runs[other as usize];
+                        run.may_meet(&reach, other, nearness)
+                            && counts(track)
+                            && own.meets((run, later_s), (track_of, other), nearness)
+                    })
                 })
             })
-        })
     }
 
     /// The same by looking at every motion of every track.
@@ -404,6 +471,7 @@ impl Tracks {
             own.segments
                 .iter()
                 .any(|a| track.segments.iter().any(|b| nearness.is_broken(a, b)))
+                || nearness.is_broken_on_ground(own.ends.as_ref(), track)
         };
         let is_near: Vec<bool> = self
             .tracks

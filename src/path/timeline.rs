@@ -9,7 +9,7 @@
 use crate::autopilot::{Airframe, SLOW_LANDING_M};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::approach::Segment;
-use crate::numeric::tracks::Track;
+use crate::numeric::tracks::{Ends, Track};
 use crate::numeric::{SpeedProfile, geometry};
 use crate::path::{TimedPoint, landing_shift_s, wing};
 use crate::spec::{Finish, Span, Vehicle};
@@ -212,20 +212,26 @@ fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], vehicle: &Ve
 impl Flight {
     /// The straight motions from point to point, and where it lingers; the third coordinate is the altitude.
     pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
-        let place = |timed: &TimedPoint| {
-            let point = timed.point;
-            (timed.t_s, [point.at.east_m, point.at.north_m, point.amsl.0])
-        };
         self.points
             .windows(2)
-            .map(move |pair| Segment::between(place(&pair[0]), place(&pair[1])))
+            .map(|pair| Segment::between(placed(&pair[0]), placed(&pair[1])))
             .chain(self.lingers.iter().copied())
     }
 
     /// Its motions as conflicts with others are looked for.
     #[must_use]
     pub fn track(&self) -> Track {
-        Track::new(self.segments().collect())
+        Track::new(self.segments().collect()).standing_at(self.ends())
+    }
+
+    /// Where the vehicle stands until it departs, and from its landing on.
+    #[must_use]
+    pub fn ends(&self) -> Option<Ends> {
+        let last = self.points.last().map(placed);
+        Some(Ends {
+            begin: self.points.first().map(placed)?,
+            end: last.filter(|(t_s, _)| t_s.is_finite()),
+        })
     }
 
     /// Where the vehicle is at a time; `None` while it stands on the ground.
@@ -242,6 +248,12 @@ impl Flight {
         let share = (t_s - from.t_s) / (to.t_s - from.t_s);
         Some(from.point.toward(to.point, share))
     }
+}
+
+/// A time, and a place whose third coordinate is the altitude.
+fn placed(timed: &TimedPoint) -> (f64, [f64; 3]) {
+    let point = timed.point;
+    (timed.t_s, [point.at.east_m, point.at.north_m, point.amsl.0])
 }
 
 /// Where and when a vehicle begins: at home at its departure, or in the air.

@@ -4,11 +4,14 @@
 //! function as the margins of [`super::review`]: distance, vertical rule, allowed shifts, what
 //! autopilots are late, and buffers.
 
+use crate::geodesy::PlanPoint;
 use crate::mission::VehicleMission;
+use crate::numeric::tracks::{CLEAR_M, Ends};
 use crate::path::Departing;
 use crate::spec::{MissionSpec, Separation};
 use crate::world::World;
 
+use super::execute::flight::Flight;
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::segment::Segment;
@@ -31,6 +34,8 @@ pub struct Judge<'a> {
 #[derive(Clone, Debug)]
 pub struct Executed<'a> {
     timeline: Timeline<'a, Segment>,
+    /// Where it stands on the ground before and after.
+    ends: Option<Ends>,
 }
 
 impl<'a> Judge<'a> {
@@ -63,6 +68,7 @@ impl<'a> Judge<'a> {
         let sortie = self.sortie(index, mission)?;
         let is_airborne = sortie.departing().is_airborne;
         let mut flight = sortie.flight;
+        let ends = ends(&flight);
         flight.stay_until(HORIZON_S);
         let mut segments = flight.segments;
         segments.retain(|segment| segment.flown);
@@ -76,6 +82,7 @@ impl<'a> Judge<'a> {
                 },
                 segments,
             ),
+            ends,
         })
     }
 
@@ -88,9 +95,26 @@ impl<'a> Judge<'a> {
         Some(Sortie::new(self.spec, self.world, vehicle, sites, mission))
     }
 
-    /// Whether two flights break the separation, as the verdict judges it.
+    /// Whether two flights break the separation, or one lands where the other stands, as the verdict judges it.
     #[must_use]
     pub fn are_in_conflict(&self, one: &Executed<'_>, other: &Executed<'_>) -> bool {
-        separation::are_in_conflict(&one.timeline, &other.timeline, &self.separation)
+        let on_ground = || {
+            let clear_m = CLEAR_M.min(self.spec.separation.distance_m);
+            let both = one.ends.zip(other.ends);
+            both.is_some_and(|(one, other)| one.are_in_conflict(&other, clear_m, 0.0))
+        };
+        on_ground() || separation::are_in_conflict(&one.timeline, &other.timeline, &self.separation)
     }
+}
+
+/// Where a flight begins, and where it ends if it does.
+fn ends(flight: &Flight) -> Option<Ends> {
+    let at = |t_s, point: PlanPoint| (t_s, [point.at.east_m, point.at.north_m, point.amsl.0]);
+    let mut flown = flight.segments.iter().filter(|segment| segment.flown);
+    let first = flown.next()?;
+    let last = flown.next_back().unwrap_or(first);
+    Some(Ends {
+        begin: at(first.from_s, first.from),
+        end: flight.ends().then(|| at(last.to_s, last.to)),
+    })
 }

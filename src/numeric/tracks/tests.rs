@@ -1,4 +1,4 @@
-use super::{Nearness, Track, Tracks};
+use super::{CLEAR_M, Ends, Nearness, Track, Tracks};
 use crate::numeric::approach::Segment;
 use proptest::prelude::*;
 
@@ -12,8 +12,17 @@ fn position() -> impl Strategy<Value = Position> {
 /// its last place for ever, or back over its first.
 fn flight() -> impl Strategy<Value = Track> {
     let way = prop::collection::vec(position(), 2..6);
-    (0.0..120.0_f64, 5.0..20.0_f64, way, 0..3_u8, 1..12_usize).prop_map(
-        |(t0_s, speed_mps, mut way, finish, pieces)| {
+    // Few pads, so that some are shared, not all of them in one cell.
+    let pads = [0, 1].map(|_| (0..4_u8).prop_map(|pad| [f64::from(pad) * 2.5, 7.0, -20.0]));
+    (
+        0.0..120.0_f64,
+        5.0..20.0_f64,
+        way,
+        0..3_u8,
+        1..12_usize,
+        pads,
+    )
+        .prop_map(|(t0_s, speed_mps, mut way, finish, pieces, pads)| {
             let ground = |at: &Position| [at[0], at[1], -20.0];
             if finish == 1 {
                 way.push(way[0]);
@@ -40,20 +49,29 @@ fn flight() -> impl Strategy<Value = Track> {
                 let last = way[way.len() - 1];
                 segments.push(Segment::between((t_s, last), (f64::INFINITY, last)));
             }
-            Track::new(segments)
-        },
-    )
+            let ends = Ends {
+                begin: (t0_s, pads[0]),
+                end: (finish != 2).then_some((t_s, pads[1])),
+            };
+            Track::new(segments).standing_at(Some(ends))
+        })
 }
 
 fn nearness() -> impl Strategy<Value = Nearness> {
     let slack = prop_oneof![Just(0.0), 0.0..15.0_f64];
-    (10.0..250.0_f64, prop::option::of(5.0..60.0_f64), slack).prop_map(
-        |(distance_m, vertical_m, slack_s)| Nearness {
+    let clear = prop_oneof![Just(0.0), 0.5..CLEAR_M];
+    (
+        10.0..250.0_f64,
+        prop::option::of(5.0..60.0_f64),
+        slack,
+        clear,
+    )
+        .prop_map(|(distance_m, vertical_m, slack_s, clear_m)| Nearness {
             distance_m,
             vertical_m,
             slack_s,
-        },
-    )
+            clear_m,
+        })
 }
 
 proptest! {
@@ -93,7 +111,8 @@ proptest! {
             let all = tracks.near_delayed(own, &nearness, among.clone(), &delays);
             for (found, &later_s) in all.into_iter().zip(&delays) {
                 let later = own.segments().iter().map(|segment| segment.later(later_s));
-                let later = Track::new(later.collect());
+                let ends = own.ends.map(|ends| ends.later(later_s));
+                let later = Track::new(later.collect()).standing_at(ends);
                 let is_any = tracks.is_any_near((own, later_s), &nearness, |one| one >= from);
                 prop_assert_eq!(is_any, !found.is_empty());
                 prop_assert_eq!(found, tracks.near_by_all(&later, &nearness, from));

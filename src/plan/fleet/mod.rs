@@ -46,7 +46,7 @@ use super::search::KnownClasses;
 use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
-use crate::numeric::tracks::Nearness;
+use crate::numeric::tracks::{CLEAR_M, Nearness};
 use crate::path::{Flight, flight, route_ends};
 use crate::spec::{MissionSpec, Objective};
 use crate::world::World;
@@ -159,9 +159,19 @@ impl<'a> Planning<'a> {
         flight_of(self.spec, self.world, index, plan)
     }
 
-    /// The separation of one vehicle, with its margins.
+    /// The separation of one vehicle, with its margins; of one that may depart at another time, also where others
+    /// stand.
     pub(super) fn nearness(&self, index: usize) -> Nearness {
-        nearness(self.spec, self.request.margins_of(index))
+        let nearness = nearness(self.spec, self.request.margins_of(index));
+        let can_wait = self.spec.vehicles[index].retiming.is_open();
+        Nearness {
+            clear_m: if can_wait {
+                CLEAR_M.min(nearness.distance_m)
+            } else {
+                0.0
+            },
+            ..nearness
+        }
     }
 }
 
@@ -394,5 +404,6 @@ pub(super) fn nearness(spec: &MissionSpec, margins: Margins) -> Nearness {
         distance_m: separation.distance_m,
         vertical_m: separation.vertical_m,
         slack_s: separation.time_slack_s,
+        clear_m: 0.0,
     }
 }

@@ -152,7 +152,7 @@ impl Planning<'_> {
             first_s.is_none_or(|first_s| segment.t1_s <= first_s)
                 || last_s.is_none_or(|last_s| segment.t0_s >= last_s)
         });
-        Track::new(outside.collect())
+        Track::new(outside.collect()).standing_at(flight.ends())
     }
 
     /// Speeds to try, the specified one first, and what the path costs at them. At a higher speed

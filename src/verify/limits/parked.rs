@@ -1,17 +1,11 @@
 //! Landings where another vehicle stands: the separation counts nothing that is on the ground.
 
 use crate::numeric::digits::count;
+use crate::numeric::tracks::{CLEAR_M, CLEARED_AFTER_S, LEVEL_M};
 use crate::verify::{Limit, Margin, Moment, Requirement, Track};
 
 /// Places nearer to each other than this may be one, metres: within the errors of two positions.
 const NEAR_M: f64 = 10.0;
-/// A landing nearer than this to a vehicle is on it, metres: what a copter lands beside its place, and its arms.
-const CLEAR_M: f64 = 3.0;
-/// So long a vehicle that has landed is in the way at least, seconds: 10 s until its motors stop (`DISARM_DELAY`), and 20 s
-/// to carry it away.
-const CLEARED_AFTER_S: f64 = 30.0;
-/// Ends of flights whose altitudes differ by more are not both on the ground, metres.
-const LEVEL_M: f64 = 3.0;
 /// Landings that are named one by one.
 const NAMED: usize = 3;
 

@@ -94,6 +94,7 @@ impl Near {
             distance_m: below_m + allowed_m,
             vertical_m: separation.vertical_m.map(|level_m| level_m + allowed_m),
             slack_s: separation.time_slack_s + late_s,
+            clear_m: 0.0,
         };
         let mut tracks = Tracks::new(&nearness);
         tracks.extend(timelines.iter().map(|timeline| {

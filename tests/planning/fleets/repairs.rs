@@ -70,6 +70,7 @@ fn met(flights: &[Flight], vehicle: usize, distance_m: f64) -> Vec<usize> {
         distance_m,
         vertical_m: Some(20.0),
         slack_s: 2.0,
+        clear_m: 0.0,
     };
     let all: Vec<Track> = flights.iter().map(Flight::track).collect();
     let own = all[vehicle].clone();

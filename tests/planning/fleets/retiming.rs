@@ -6,8 +6,9 @@ use std::fs;
 use sortie::cost::Margins;
 use sortie::dispatch::dispatch;
 use sortie::mission::{Item, VehicleMission, command};
+use sortie::path::Flight;
 use sortie::plan::{self, Request};
-use sortie::spec::{MissionSpec, Retiming, Span};
+use sortie::spec::{MissionSpec, Retiming, Span, SpecFile};
 use sortie::verify::{self, Review};
 use sortie::world::{self, World};
 
@@ -234,4 +235,32 @@ fn what_is_chosen_is_the_same_however_many_are_planned_at_once() {
         "{:?}",
         broken(&dispatched.review)
     );
+}
+
+/// Two that exchange their places.
+const EXCHANGE: &str = "sortie: 2
+name: exchange
+area: {south_west: {lat: 39.995, lon: -100.007}, north_east: {lat: 40.005, lon: -99.993}, min_agl_m: 40, max_amsl_m: 640}
+terrain: {flat: {amsl_m: 500}}
+separation: {distance_m: 30, time_slack_s: 3}
+vehicles:
+  - {id: east, sysid: 1, autopilot: ardupilot, link: sim, finish: land, speed_mps: 5, depart_window_s: {from: 0, to: 600},
+     start: {lat: 40.0, lon: -100.004, agl_m: 60}, goal: {lat: 40.0, lon: -99.996, agl_m: 60}}
+  - {id: west, sysid: 2, autopilot: ardupilot, link: sim, finish: land, speed_mps: 5, depart_window_s: {from: 0, to: 600},
+     start: {lat: 40.0, lon: -99.996, agl_m: 60}, goal: {lat: 40.0, lon: -100.004, agl_m: 60}}
+planner: {evaluations: 2000}
+";
+
+#[test]
+fn who_may_wait_does_not_wait_where_another_lands() {
+    let path = std::path::Path::new("exchange.yaml");
+    let file = SpecFile::parse(path, EXCHANGE.to_owned()).expect("a spec");
+    let world = world::load(&file).expect("a world");
+    let plan = plan::plan_fleet(&file.spec, &world, &Request::new(1));
+    let [first, second] = plan.flights(&file.spec, &world).try_into().expect("two");
+    let landing_s = |flight: &Flight| flight.points.last().expect("a flight").t_s;
+    let (east, west) = (&plan.vehicles[0], &plan.vehicles[1]);
+    assert!(west.depart_s < landing_s(&first), "{}", west.depart_s);
+    assert!(east.depart_s < landing_s(&second), "{}", east.depart_s);
+    assert!(west.terms.is_clean());
 }
