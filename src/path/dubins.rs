@@ -60,26 +60,16 @@ pub fn turns(from: Pose, to: Pose, radius_m: f64) -> Turns {
             corners: Vec::new(),
         };
     };
-    let mut state = start;
-    let mut corners = Vec::new();
-    for (step, length) in word.iter().zip(lengths) {
-        if *step != Straight && length > MIN_TURN_RAD {
-            let pieces = (length / FRAC_PI_2).ceil().max(1.0);
-            let piece = length / pieces;
-            let mut left = length;
-            let mut at = state;
-            while left > 0.5 * piece {
-                corners.push(at.moved(Straight, (0.5 * piece).tan(), radius_m).at());
-                at = at.moved(*step, piece, radius_m);
-                left -= piece;
-            }
-        }
-        state = state.moved(*step, length, radius_m);
-    }
-    Turns {
-        length_m: lengths.iter().sum::<f64>() * radius_m,
-        corners,
-    }
+    start.along(word, lengths, radius_m)
+}
+
+/// The ways from one pose to another that turn to one side or the other at either end, the shortest is [`turns`].
+#[must_use]
+pub fn all_turns(from: Pose, to: Pose, radius_m: f64) -> Vec<Turns> {
+    let start = State::of(from);
+    ways(start, State::of(to), radius_m)
+        .map(|(word, lengths)| start.along(word, lengths, radius_m))
+        .collect()
 }
 
 /// The points of the same way, no more than `step_m` apart on its arcs, both ends included.
@@ -109,14 +99,23 @@ pub fn turns_sampled(from: Pose, to: Pose, radius_m: f64, step_m: f64) -> Vec<Ea
 
 /// The moves of the shortest way between two states, and their lengths in radii and radians.
 fn shortest(start: State, end: State, radius_m: f64) -> Option<(&'static [Move; 3], [f64; 3])> {
+    ways(start, end, radius_m).min_by(|a, b| a.1.iter().sum::<f64>().total_cmp(&b.1.iter().sum()))
+}
+
+/// The moves of every way between two states, and their lengths.
+fn ways(
+    start: State,
+    end: State,
+    radius_m: f64,
+) -> impl Iterator<Item = (&'static [Move; 3], [f64; 3])> {
     let (east_m, north_m) = (end.east_m - start.east_m, end.north_m - start.north_m);
     let along_rad = north_m.atan2(east_m);
     let (alpha, beta) = (start.course_rad - along_rad, end.course_rad - along_rad);
     let distance = east_m.hypot(north_m) / radius_m;
     WORDS
         .iter()
-        .filter_map(|word| Some((word, lengths(word, distance, alpha, beta)?)))
-        .filter(|(word, lengths)| {
+        .filter_map(move |word| Some((word, lengths(word, distance, alpha, beta)?)))
+        .filter(move |(word, lengths)| {
             let reached = word
                 .iter()
                 .zip(lengths)
@@ -125,7 +124,6 @@ fn shortest(start: State, end: State, radius_m: f64) -> Option<(&'static [Move; 
                 });
             reached.misses_m(&end) <= CLOSE * radius_m * (1.0 + distance)
         })
-        .min_by(|a, b| a.1.iter().sum::<f64>().total_cmp(&b.1.iter().sum()))
 }
 
 /// A pose with its course counter-clockwise from east.
@@ -149,6 +147,30 @@ impl State {
         EastNorth {
             east_m: self.east_m,
             north_m: self.north_m,
+        }
+    }
+
+    /// The way of some moves from here, of these lengths.
+    fn along(self, word: &[Move; 3], lengths: [f64; 3], radius_m: f64) -> Turns {
+        let mut state = self;
+        let mut corners = Vec::new();
+        for (step, length) in word.iter().zip(lengths) {
+            if *step != Straight && length > MIN_TURN_RAD {
+                let pieces = (length / FRAC_PI_2).ceil().max(1.0);
+                let piece = length / pieces;
+                let mut left = length;
+                let mut at = state;
+                while left > 0.5 * piece {
+                    corners.push(at.moved(Straight, (0.5 * piece).tan(), radius_m).at());
+                    at = at.moved(*step, piece, radius_m);
+                    left -= piece;
+                }
+            }
+            state = state.moved(*step, length, radius_m);
+        }
+        Turns {
+            length_m: lengths.iter().sum::<f64>() * radius_m,
+            corners,
         }
     }
 

@@ -11,7 +11,7 @@ use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::approach::Segment;
 use crate::numeric::tracks::{Ends, Track};
 use crate::numeric::{SpeedProfile, geometry};
-use crate::path::{TimedPoint, landing_shift_s, wing};
+use crate::path::{Among, TimedPoint, landing_shift_s, wing};
 use crate::spec::{Finish, Span, Vehicle};
 use crate::world::{Departure, VehicleSites};
 
@@ -96,12 +96,20 @@ pub fn route_start_s(vehicle: &Vehicle, sites: &VehicleSites) -> f64 {
 }
 
 /// The flight of a vehicle along its routes, which are those between [`super::route_ends`]; it
-/// rests at its stops.
+/// rests at its stops. Nothing is in the way of its turns onto them.
 #[must_use]
 pub fn flight(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) -> Flight {
+    let is_free = &|_| true;
+    flight_among(vehicle, Among { sites, is_free }, routes)
+}
+
+/// The same where a wing turns onto its routes and off them past what is in its way.
+#[must_use]
+pub fn flight_among(vehicle: &Vehicle, among: Among<'_>, routes: &[Vec<PlanPoint>]) -> Flight {
     if vehicle.airframe.has_wing() {
-        return winged(vehicle, sites, routes);
+        return winged(vehicle, among, routes);
     }
+    let sites = among.sites;
     let mut points = Vec::new();
     take_off(&mut points, vehicle, sites);
     let mut route_starts_s = Vec::with_capacity(routes.len());
@@ -138,9 +146,10 @@ pub fn flight(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]
 
 /// The flight of a plane or vtol: turns join the routes to takeoff, approach and each
 /// other, here along the tangents of their arcs. Circling for ever is staying at the middle.
-fn winged(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) -> Flight {
+fn winged(vehicle: &Vehicle, among: Among<'_>, routes: &[Vec<PlanPoint>]) -> Flight {
+    let sites = among.sites;
     let mut points = vec![begin(vehicle, sites)];
-    let way = wing::way(vehicle, sites, routes);
+    let way = wing::way(vehicle, among, routes);
     let loiters = vehicle.finish == Finish::Loiter;
     if let Some(climb) = &way.climb {
         points.push(TimedPoint {

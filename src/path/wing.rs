@@ -1,5 +1,5 @@
 //! What a wing adds to a path: the run and climb of a takeoff along a course, turns onto a
-//! route and off it, the approach to a landing.
+//! route and off it ([`super::join`]), the approach to a landing.
 //!
 //! Assumed, and not measured on an autopilot: a plane climbs out straight, at its planned
 //! speed and its steepest allowed slope, until it has the height of the start; it turns
@@ -10,18 +10,8 @@ use crate::spec::{Airframe, Finish, Vehicle};
 use crate::world::{Departure, VehicleSites};
 
 use super::VehicleLimits;
-use super::dubins::{Pose, Turns, turns};
-
-/// Turns between waypoints are planned this much wider than the turn radius, so that
-/// encoding leaves them wide enough.
-const WIDER: f64 = 1.05;
-/// Straight before the first turn of a way and after its last, metres: places are encoded to
-/// a centimetre, and the height of a climb may be reached a little later than planned.
-const LEAD_M: f64 = 15.0;
-/// Places nearer than this are one, metres.
-const SAME_M: f64 = 1e-3;
-/// Courses that are tried where any will do.
-const COURSES: u32 = 72;
+use super::course::{along, heading_rad};
+use super::join::{Among, join};
 
 /// A takeoff along a course.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,49 +107,6 @@ pub fn homeward_end(vehicle: &Vehicle, sites: &VehicleSites) -> PlanPoint {
     approach(vehicle, sites.landing_rad, home, from).map_or(over_home, |approach| approach.gate)
 }
 
-/// Corners of the way from a place to another with turns that the vehicle can fly; a
-/// course that is not given is free.
-#[must_use]
-pub fn join(
-    vehicle: &Vehicle,
-    (from, leave_rad): (EastNorth, Option<f64>),
-    (to, arrive_rad): (EastNorth, Option<f64>),
-) -> Vec<EastNorth> {
-    let radius_m = WIDER * VehicleLimits::of(vehicle).turn_radius_m;
-    if from.distance_m(to) < SAME_M && (leave_rad.is_none() || arrive_rad.is_none()) {
-        return Vec::new();
-    }
-    let all =
-        || (0..COURSES).map(|step| f64::from(step) * std::f64::consts::TAU / f64::from(COURSES));
-    let courses = |given: Option<f64>| -> Vec<f64> {
-        match given {
-            Some(course) => vec![course],
-            None => [heading_rad(from, to)].into_iter().chain(all()).collect(),
-        }
-    };
-    let mut best: Option<Turns> = None;
-    for &leave in &courses(leave_rad) {
-        for &arrive in &courses(arrive_rad) {
-            let pose = |at, heading_rad, lead_m| Pose {
-                at: along(at, heading_rad, lead_m),
-                heading_rad,
-            };
-            let way = turns(
-                pose(from, leave, LEAD_M),
-                pose(to, arrive, -LEAD_M),
-                radius_m,
-            );
-            if best
-                .as_ref()
-                .is_none_or(|best| way.length_m < best.length_m)
-            {
-                best = Some(way);
-            }
-        }
-    }
-    best.map_or_else(Vec::new, |way| way.corners)
-}
-
 /// The speed over the ground to plan with on a course, m/s; the planned one where the wind
 /// is too strong for any.
 fn speed_on(vehicle: &Vehicle, course_rad: f64, at: Amsl) -> f64 {
@@ -175,21 +122,6 @@ fn speed_on(vehicle: &Vehicle, course_rad: f64, at: Amsl) -> f64 {
 pub fn way_speed_mps(vehicle: &Vehicle, from: PlanPoint, to: PlanPoint) -> f64 {
     let halfway = Amsl(0.5 * (from.amsl.0 + to.amsl.0));
     speed_on(vehicle, heading_rad(from.at, to.at), halfway)
-}
-
-/// The course from a place to another, radians clockwise from north.
-#[must_use]
-pub fn heading_rad(from: EastNorth, to: EastNorth) -> f64 {
-    (to.east_m - from.east_m).atan2(to.north_m - from.north_m)
-}
-
-/// The place so far along a course.
-#[must_use]
-pub fn along(from: EastNorth, heading_rad: f64, distance_m: f64) -> EastNorth {
-    EastNorth {
-        east_m: from.east_m + distance_m * heading_rad.sin(),
-        north_m: from.north_m + distance_m * heading_rad.cos(),
-    }
 }
 
 /// Everything that a plane or vtol flies from its climb to its touchdown, as a polyline.
@@ -216,24 +148,35 @@ fn lifted(sites: &VehicleSites, climb: Option<&ClimbOut>) -> PlanPoint {
     }
 }
 
+/// The takeoff of a plane on a course.
+fn climb_on(vehicle: &Vehicle, sites: &VehicleSites, course_rad: Option<f64>) -> Option<ClimbOut> {
+    let course_rad = course_rad.filter(|_| vehicle.airframe == Airframe::Plane)?;
+    let (home, ground) = (sites.home.at, |_| sites.home.amsl);
+    Some(climb_out(
+        vehicle,
+        home,
+        course_rad,
+        ground,
+        sites.start.amsl,
+    ))
+}
+
 /// The way along some routes, each of at least two points.
-pub(super) fn way(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) -> Way {
+pub(super) fn way(vehicle: &Vehicle, among: Among<'_>, routes: &[Vec<PlanPoint>]) -> Way {
+    let Among { sites, is_free } = among;
     let takeoff_rad = vehicle
         .wing
         .and_then(|wing| wing.takeoff_heading_rad)
         .filter(|_| !sites.departure.is_airborne());
-    let climb = takeoff_rad
-        .filter(|_| vehicle.airframe == Airframe::Plane)
-        .map(|course| {
-            let (home, ground) = (sites.home.at, |_| sites.home.amsl);
-            climb_out(vehicle, home, course, ground, sites.start.amsl)
-        });
+    let climb = climb_on(vehicle, sites, takeoff_rad);
     let first = lifted(sites, climb.as_ref());
     let (mut at, mut course) = (first.at, takeoff_rad);
     let mut points = vec![first];
     let mut circles = Vec::new();
-    let level =
-        |corners: Vec<EastNorth>, amsl| corners.into_iter().map(move |at| PlanPoint { at, amsl });
+    let level = |from, to, amsl| {
+        let corners = join(vehicle, from, to, (amsl, is_free));
+        corners.into_iter().map(move |at| PlanPoint { at, amsl })
+    };
     for (number, route) in routes.iter().enumerate() {
         let [first, second, ..] = route.as_slice() else {
             continue;
@@ -248,7 +191,7 @@ pub(super) fn way(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoi
             points.extend(&route[1..]);
         } else {
             let onto = (first.at, Some(heading_rad(first.at, second.at)));
-            points.extend(level(join(vehicle, (at, course), onto), first.amsl));
+            points.extend(level((at, course), onto, first.amsl));
             points.extend(route);
         }
         if let [.., before, last] = route.as_slice() {
@@ -258,8 +201,7 @@ pub(super) fn way(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoi
     let (touchdown, approach) = landing(vehicle, sites);
     if let Some(approach) = approach {
         let onto = (approach.entry.at, Some(approach.heading_rad));
-        let turns = join(vehicle, (at, course), onto);
-        points.extend(level(turns, approach.entry.amsl));
+        points.extend(level((at, course), onto, approach.entry.amsl));
         points.push(approach.entry);
         points.push(match vehicle.airframe {
             Airframe::Plane => touchdown,

@@ -120,15 +120,25 @@ impl World {
     fn is_clear_at(&self, of: &Candidate<'_>, (before_m, aside_m): (f64, f64)) -> bool {
         let at = of.at(before_m, aside_m);
         let (amsl_m, min_m) = of.altitude_m(before_m, self.min_agl.0);
+        let amsl = Amsl(amsl_m);
+        self.is_free_above(PlanPoint { at, amsl }, min_m)
+    }
+
+    /// Whether nothing is in the way at a point: it is in the area, high enough above the ground, and off threats and
+    /// zones, whenever these are active.
+    #[must_use]
+    pub fn is_free(&self, point: PlanPoint) -> bool {
+        self.is_free_above(point, self.min_agl.0)
+    }
+
+    /// The same with another least height above the ground, metres.
+    fn is_free_above(&self, point: PlanPoint, min_agl_m: f64) -> bool {
+        let PlanPoint { at, amsl } = point;
         let Ok(ground) = self.terrain.height_at(&self.frame, at) else {
             return false;
         };
-        let point = PlanPoint {
-            at,
-            amsl: Amsl(amsl_m),
-        };
         self.in_area(at)
-            && amsl_m - ground.0 >= min_m
+            && amsl.0 - ground.0 >= min_agl_m
             && !self.threats.iter().any(|threat| threat.contains(at))
             && !(self.zones.iter()).any(|zone| zone.is_closed_at(point, ground.0, f64::NAN))
     }

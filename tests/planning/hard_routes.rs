@@ -60,6 +60,13 @@ fn a_maze_of_corridors_of_140_m_with_12_turns_is_flown_through() {
     assert!(cost > 8.0 && cost < 9.5, "{cost}");
 }
 
+/// The mast stands in the shortest turn from the end of its climb-out back to its route.
+#[test]
+fn a_plane_turns_onto_its_route_past_a_mast() {
+    let cost = passing_cost("plane-mast-beside-climb-out.yaml");
+    assert!(cost < 1.6, "{cost}");
+}
+
 /// A zone across the whole area ends 3 m below the ceiling. A leg that left the path by the whole
 /// tolerance of 5 m would cut it.
 #[test]

@@ -267,8 +267,9 @@ impl ItemWriter<'_> {
         course_rad: f64,
         amsl: Amsl,
     ) -> Result<(), NoData> {
-        let from = (list.at, list.course_rad);
-        for at in join(self.vehicle, from, (to, Some(course_rad))) {
+        let (from, onto) = ((list.at, list.course_rad), (to, Some(course_rad)));
+        let is_free = |point| self.limits.0.is_free(point);
+        for at in join(self.vehicle, from, onto, (amsl, &is_free)) {
             let corner = PlanPoint { at, amsl };
             list.items
                 .push(self.at(command::NAV_WAYPOINT, 0.0, corner)?);

@@ -47,7 +47,7 @@ use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
 use crate::numeric::tracks::{CLEAR_M, Nearness};
-use crate::path::{Flight, flight, route_ends};
+use crate::path::{Among, Flight, flight_among, route_ends};
 use crate::spec::{MissionSpec, Objective};
 use crate::world::World;
 use prioritised::Fleet;
@@ -394,7 +394,11 @@ pub(super) fn flight_of(
 ) -> Flight {
     let mut vehicle = spec.vehicles[index].clone();
     plan.apply_to(&mut vehicle);
-    flight(&vehicle, &world.sites[index], &plan.points())
+    let among = Among {
+        sites: &world.sites[index],
+        is_free: &|point| world.is_free(point),
+    };
+    flight_among(&vehicle, among, &plan.points())
 }
 
 /// When a flight is too near to an earlier one, as the objective sees it too.
