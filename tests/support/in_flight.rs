@@ -72,20 +72,25 @@ pub fn lines(runs: &Path) -> Vec<Value> {
 
 /// Waits until the record of the flight has a position of a vehicle this late.
 pub fn wait_for(runs: &Path, vehicle: &str, t_s: f64) {
+    let what = format!("flown for {t_s} s");
+    wait_until(runs, vehicle, &what, |line| {
+        line["t_s"].as_f64().is_some_and(|t| t > t_s)
+    });
+}
+
+/// Waits until the record holds a position of a vehicle that is as it should be.
+pub fn wait_until(runs: &Path, vehicle: &str, what: &str, is_there: impl Fn(&Value) -> bool) {
     #[allow(clippy::disallowed_methods)]
     let began = Instant::now();
     while began.elapsed() < Duration::from_secs(120) {
-        let is_late = |line: &Value| {
-            line["vehicle"] == vehicle
-                && line["lat_deg"].is_f64()
-                && line["t_s"].as_f64().is_some_and(|t| t > t_s)
-        };
-        if lines(runs).iter().any(is_late) {
+        let is_good =
+            |line: &Value| line["vehicle"] == vehicle && line["lat_deg"].is_f64() && is_there(line);
+        if lines(runs).iter().any(is_good) {
             return;
         }
         std::thread::sleep(Duration::from_millis(50));
     }
-    panic!("{vehicle} was not flown for {t_s} s within two minutes");
+    panic!("{vehicle} was not {what} within two minutes");
 }
 
 pub fn take_off(folder: &Path, spec: &str, speedup: &str) -> Flight {
