@@ -242,6 +242,12 @@ impl PlanPoint {
         }
     }
 
+    /// East, north and altitude, metres.
+    #[must_use]
+    pub fn axes_m(self) -> [f64; 3] {
+        [self.at.east_m, self.at.north_m, self.amsl.0]
+    }
+
     /// The point higher by a height, metres.
     #[must_use]
     pub fn raised(self, by_m: f64) -> Self {

@@ -11,7 +11,7 @@ use super::approach::{Segment, Whole, are_surely_apart, closest_approach, closes
 use super::cells::{Cells, Extent};
 use ends::ByPlace;
 
-pub use ends::{CLEAR_M, CLEARED_AFTER_S, Ends, LEVEL_M};
+pub use ends::{CLEARED_AFTER_S, Ends, LEVEL_M, clear_m};
 
 /// Most motions that share a box, and fewest that are split once more.
 const MAX_OF_RUN: usize = 64;
@@ -173,7 +173,7 @@ impl Track {
         }
     }
 
-    /// The same of who stands at its ends.
+    /// The same track, with where the vehicle stands before and after it.
     #[must_use]
     pub fn standing_at(self, ends: Option<Ends>) -> Self {
         Self { ends, ..self }

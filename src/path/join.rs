@@ -1,4 +1,4 @@
-//! The turns of a wing from one course to another: the shortest, or where something is in their way the shortest past it.
+//! The turns of a wing from one course to another: the shortest that are clear of obstacles.
 
 use std::f64::consts::TAU;
 
@@ -17,14 +17,14 @@ const WIDER: f64 = 1.05;
 /// Straight before the first turn of a way and after its last, metres: places are encoded to
 /// a centimetre, and the height of a climb may be reached a little later than planned.
 const LEAD_M: f64 = 15.0;
-/// How much longer it is straight where something is in the way, in turn radii.
+/// Longer straights before and after the turns, tried where the shortest way is blocked, in turn radii.
 const LONGER: [f64; 4] = [0.0, 1.0, 2.0, 4.0];
-/// So far to either side nothing may be in the way, in turn radii, and so far below, in lags of the climb before it, if
-/// there is such a way: autopilots swing out of corners, and come late to their altitudes.
+/// Clearances asked of a way, the most first: to either side, in turn radii (wings swing out of corners), and below, in lags of
+/// the climb before it (wings come late to their altitude).
 const SPACE: [(f64, f64); 3] = [(0.25, 1.0), (0.0, 1.0), (0.0, 0.0)];
-/// Times of its lag after which a wing has its altitude.
+/// A wing has its altitude after this many lags.
 const LAGS: f64 = 3.0;
-/// Ways are looked at in places so near to each other, metres.
+/// Spacing of the points at which a way is checked, metres.
 const APART_M: f64 = 20.0;
 /// Places nearer than this are one, metres.
 const SAME_M: f64 = 1e-3;
@@ -34,12 +34,12 @@ const COURSES: u32 = 72;
 /// Whether nothing is in the way at a point.
 pub type IsFree<'a> = dyn Fn(PlanPoint) -> bool + 'a;
 
-/// Where a vehicle flies.
+/// A vehicle's sites, and the space between them.
 #[derive(Clone, Copy)]
 pub struct Among<'a> {
-    /// Its places.
+    /// Where it begins, stops and ends.
     pub sites: &'a VehicleSites,
-    /// What is in the way of its turns.
+    /// Where its turns may lead.
     pub is_free: &'a IsFree<'a>,
 }
 
@@ -47,7 +47,7 @@ pub struct Among<'a> {
 type End = (EastNorth, Option<f64>);
 
 /// Corners of the way from a place to another, level at an altitude, with turns that the vehicle can fly: of the shortest
-/// way on which nothing is in its way, and where there is none of the shortest.
+/// way that is clear, or of the shortest one if none is.
 #[must_use]
 pub fn join(
     vehicle: &Vehicle,
@@ -143,7 +143,7 @@ fn longer_ways(all: &[[(EastNorth, f64); 2]], radius_m: f64) -> Vec<Turns> {
     ways
 }
 
-/// Whether nothing is in the way on a polyline, nor that far to either side; what is asked gets how far along it is, too.
+/// Whether a polyline and a strip on either side of it are clear; `is_free` also gets the distance along the polyline, metres.
 fn is_clear(points: &[EastNorth], aside_m: f64, is_free: &dyn Fn(EastNorth, f64) -> bool) -> bool {
     let mut gone_m = 0.0;
     points.windows(2).all(|leg| {
@@ -212,10 +212,10 @@ mod tests {
                 join(&vehicle, (ends[0], Some(leave_rad)), (ends[1], Some(arrive_rad)), (amsl, is_free))
             };
             let shortest = joined(&|_| true);
-            prop_assert_eq!(&joined(&|_| false), &shortest, "nothing is better than another way");
+            prop_assert_eq!(&joined(&|_| false), &shortest, "where nothing is free, the shortest");
             let all = along_way(&shortest, ends);
             let mast = all[all.len() * share / 10];
-            // Not where it cannot but be.
+            // Nearer to an end no turn could avoid it.
             prop_assume!(ends.iter().all(|end| end.distance_m(mast) > 130.0));
             let around = joined(&|point| point.at.distance_m(mast) > 30.0);
             let nearest_m = along_way(&around, ends).iter().map(|at| at.distance_m(mast)).fold(f64::INFINITY, f64::min);

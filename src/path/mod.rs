@@ -38,3 +38,11 @@ pub struct TimedPoint {
     /// Seconds after the fleet's T0.
     pub t_s: f64,
 }
+
+impl TimedPoint {
+    /// Its time, seconds, and its east, north and altitude, metres.
+    #[must_use]
+    pub fn placed(&self) -> (f64, [f64; 3]) {
+        (self.t_s, self.point.axes_m())
+    }
+}

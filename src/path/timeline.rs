@@ -96,14 +96,14 @@ pub fn route_start_s(vehicle: &Vehicle, sites: &VehicleSites) -> f64 {
 }
 
 /// The flight of a vehicle along its routes, which are those between [`super::route_ends`]; it
-/// rests at its stops. Nothing is in the way of its turns onto them.
+/// rests at its stops. Its turns onto them are the shortest.
 #[must_use]
 pub fn flight(vehicle: &Vehicle, sites: &VehicleSites, routes: &[Vec<PlanPoint>]) -> Flight {
     let is_free = &|_| true;
     flight_among(vehicle, Among { sites, is_free }, routes)
 }
 
-/// The same where a wing turns onto its routes and off them past what is in its way.
+/// The same, with turns of wings that keep clear of obstacles.
 #[must_use]
 pub fn flight_among(vehicle: &Vehicle, among: Among<'_>, routes: &[Vec<PlanPoint>]) -> Flight {
     if vehicle.airframe.has_wing() {
@@ -223,7 +223,7 @@ impl Flight {
     pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
         self.points
             .windows(2)
-            .map(|pair| Segment::between(placed(&pair[0]), placed(&pair[1])))
+            .map(|pair| Segment::between(pair[0].placed(), pair[1].placed()))
             .chain(self.lingers.iter().copied())
     }
 
@@ -236,9 +236,9 @@ impl Flight {
     /// Where the vehicle stands until it departs, and from its landing on.
     #[must_use]
     pub fn ends(&self) -> Option<Ends> {
-        let last = self.points.last().map(placed);
+        let last = self.points.last().map(TimedPoint::placed);
         Some(Ends {
-            begin: self.points.first().map(placed)?,
+            begin: self.points.first().map(TimedPoint::placed)?,
             end: last.filter(|(t_s, _)| t_s.is_finite()),
         })
     }
@@ -257,12 +257,6 @@ impl Flight {
         let share = (t_s - from.t_s) / (to.t_s - from.t_s);
         Some(from.point.toward(to.point, share))
     }
-}
-
-/// A time, and a place whose third coordinate is the altitude.
-fn placed(timed: &TimedPoint) -> (f64, [f64; 3]) {
-    let point = timed.point;
-    (timed.t_s, [point.at.east_m, point.at.north_m, point.amsl.0])
 }
 
 /// Where and when a vehicle begins: at home at its departure, or in the air.
@@ -342,7 +336,7 @@ fn lingering(motion: &[TimedPoint], shift_s: Span) -> Vec<Segment> {
             let [first, last] =
                 [part, part + 1].map(|end| share(f64::from(end) / f64::from(parts)));
             let at = first.point.toward(last.point, 0.5);
-            let place = [at.at.east_m, at.at.north_m, at.amsl.0];
+            let place = at.axes_m();
             let (from_s, to_s) = (first.t_s + shift_s.least, last.t_s + shift_s.most);
             Segment::between((from_s, place), (to_s, place))
         })

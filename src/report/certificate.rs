@@ -74,10 +74,9 @@ pub fn certificate_document(
 }
 
 fn certified(route: RouteCertificate) -> CertifiedRoute {
-    let end = |point: PlanPoint| [point.at.east_m, point.at.north_m, point.amsl.0];
     CertifiedRoute {
         bound: route.bound,
-        ends: route.ends.map(end),
+        ends: route.ends.map(PlanPoint::axes_m),
         longest_m: route.longest_m,
         climb: *route.slopes.end(),
         descent: -route.slopes.start(),

@@ -4,9 +4,8 @@
 //! function as the margins of [`super::review`]: distance, vertical rule, allowed shifts, what
 //! autopilots are late, and buffers.
 
-use crate::geodesy::PlanPoint;
 use crate::mission::VehicleMission;
-use crate::numeric::tracks::{CLEAR_M, Ends};
+use crate::numeric::tracks::{Ends, clear_m};
 use crate::path::Departing;
 use crate::spec::{MissionSpec, Separation};
 use crate::world::World;
@@ -99,7 +98,7 @@ impl<'a> Judge<'a> {
     #[must_use]
     pub fn are_in_conflict(&self, one: &Executed<'_>, other: &Executed<'_>) -> bool {
         let on_ground = || {
-            let clear_m = CLEAR_M.min(self.spec.separation.distance_m);
+            let clear_m = clear_m(self.spec.separation.distance_m);
             let both = one.ends.zip(other.ends);
             both.is_some_and(|(one, other)| one.are_in_conflict(&other, clear_m, 0.0))
         };
@@ -109,12 +108,11 @@ impl<'a> Judge<'a> {
 
 /// Where a flight begins, and where it ends if it does.
 fn ends(flight: &Flight) -> Option<Ends> {
-    let at = |t_s, point: PlanPoint| (t_s, [point.at.east_m, point.at.north_m, point.amsl.0]);
     let mut flown = flight.segments.iter().filter(|segment| segment.flown);
     let first = flown.next()?;
     let last = flown.next_back().unwrap_or(first);
     Some(Ends {
-        begin: at(first.from_s, first.from),
-        end: flight.ends().then(|| at(last.to_s, last.to)),
+        begin: (first.from_s, first.from.axes_m()),
+        end: flight.ends().then(|| (last.to_s, last.to.axes_m())),
     })
 }

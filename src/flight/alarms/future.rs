@@ -119,9 +119,8 @@ impl Alarms<'_> {
         if of.duty.is_over {
             return None;
         }
-        let axes = |p: &crate::geodesy::PlanPoint| [p.at.east_m, p.at.north_m, p.amsl.0];
         let here = of.here?;
-        let at = (here.fix.t_s, axes(&here.point));
+        let at = (here.fix.t_s, here.point.axes_m());
         let stands = !of.duty.flies || !of.duty.is_up;
         if of.duty.flies && !stands && (of.has_left_plan(t_s) || of.tube.is_off) {
             return Some(straight_on(at, here.velocity_mps));
@@ -144,7 +143,7 @@ impl Alarms<'_> {
         let mut from = at;
         for waypoint in ahead {
             let after_s = (waypoint.t_s - planned_s) / share;
-            let to = (here.fix.t_s + after_s, axes(&waypoint.point));
+            let to = (here.fix.t_s + after_s, waypoint.point.axes_m());
             segments.push(Segment::between(from, to));
             from = to;
         }

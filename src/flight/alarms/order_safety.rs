@@ -395,8 +395,8 @@ pub(in crate::flight) fn way_of_return(
     (level_m, home): (f64, PlanPoint),
     t_s: f64,
 ) -> Vec<Segment> {
-    let here_m = [here.at.east_m, here.at.north_m, here.amsl.0];
-    let home_m = [home.at.east_m, home.at.north_m, home.amsl.0];
+    let here_m = here.axes_m();
+    let home_m = home.axes_m();
     let over_m = [home_m[0], home_m[1], level_m];
     let climbed = (
         [here_m[0], here_m[1], level_m],

@@ -283,7 +283,6 @@ impl FlownTrack<'_> {
 
     /// The motions in the air between two positions; of a gap its ends alone.
     fn segments(&self, world: &World) -> Vec<(Segment, usize)> {
-        let axes = |p: &PlanPoint| [p.at.east_m, p.at.north_m, p.amsl.0];
         let is_up = |index: usize| {
             let fix = &self.fixes()[index];
             let ground = world.terrain.height(fix.place);
@@ -293,8 +292,8 @@ impl FlownTrack<'_> {
             .filter(|&index| is_up(index - 1) || is_up(index))
             .flat_map(|index| {
                 let (from, to) = (&self.fixes()[index - 1], &self.fixes()[index]);
-                let first = (from.t_s, axes(&self.points[index - 1]));
-                let last = (to.t_s, axes(&self.points[index]));
+                let first = (from.t_s, self.points[index - 1].axes_m());
+                let last = (to.t_s, self.points[index].axes_m());
                 let pieces = match is_gap(from, to) {
                     true => vec![(first, first), (last, last)],
                     false => vec![(first, last)],

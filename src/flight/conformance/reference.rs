@@ -310,8 +310,7 @@ impl Deviation {
 
 /// Distance of a point from a segment, and where on it.
 pub(crate) fn to_segment(point: PlanPoint, from: PlanPoint, to: PlanPoint) -> (f64, f64) {
-    let axes = |p: PlanPoint| [p.at.east_m, p.at.north_m, p.amsl.0];
-    let (p, a, b) = (axes(point), axes(from), axes(to));
+    let (p, a, b) = (point.axes_m(), from.axes_m(), to.axes_m());
     let dot = |f: &dyn Fn(usize) -> f64, g: &dyn Fn(usize) -> f64| {
         (0..3).map(|axis| f(axis) * g(axis)).sum::<f64>()
     };

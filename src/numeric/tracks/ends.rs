@@ -3,12 +3,18 @@
 use std::collections::HashMap;
 
 /// A landing nearer than this to a vehicle is on it, metres: what a copter lands beside its place, and its arms.
-pub const CLEAR_M: f64 = 3.0;
+pub(super) const CLEAR_M: f64 = 3.0;
 /// Ends whose altitudes differ by more are not both on the ground, metres.
 pub const LEVEL_M: f64 = 3.0;
-/// So long a vehicle that has landed is in the way at least, seconds: 10 s until its motors stop (`DISARM_DELAY`), and 20 s
-/// to carry it away.
+/// A vehicle that has landed occupies its place for at least this long, seconds: 10 s until its motors stop (`DISARM_DELAY`),
+/// and 20 s to carry it away.
 pub const CLEARED_AFTER_S: f64 = 30.0;
+
+/// How far a landing stays clear of others on the ground, metres, where vehicles keep a separation, metres.
+#[must_use]
+pub fn clear_m(separation_m: f64) -> f64 {
+    CLEAR_M.min(separation_m)
+}
 
 /// A time, seconds, and a place: east, north and altitude, metres.
 pub(crate) type At = (f64, [f64; 3]);
@@ -79,12 +85,12 @@ impl ByPlace {
     }
 }
 
-/// Where it begins, and where it ends.
+/// Both ends, as far as there are two.
 fn both(ends: Ends) -> impl Iterator<Item = At> {
     [Some(ends.begin), ends.end].into_iter().flatten()
 }
 
-/// The cell of a place: wider than any distance that is kept clear.
+/// The cell of a place; no distance that is kept clear is greater than its side.
 fn cell(at: [f64; 3]) -> (i64, i64) {
     #[expect(
         clippy::cast_possible_truncation,

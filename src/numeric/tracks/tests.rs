@@ -1,4 +1,5 @@
-use super::{CLEAR_M, Ends, Nearness, Track, Tracks};
+use super::ends::CLEAR_M;
+use super::{Ends, Nearness, Track, Tracks};
 use crate::numeric::approach::Segment;
 use proptest::prelude::*;
 

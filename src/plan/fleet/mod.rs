@@ -46,7 +46,7 @@ use super::search::KnownClasses;
 use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
-use crate::numeric::tracks::{CLEAR_M, Nearness};
+use crate::numeric::tracks::{Nearness, clear_m};
 use crate::path::{Among, Flight, flight_among, route_ends};
 use crate::spec::{MissionSpec, Objective};
 use crate::world::World;
@@ -159,17 +159,16 @@ impl<'a> Planning<'a> {
         flight_of(self.spec, self.world, index, plan)
     }
 
-    /// The separation of one vehicle, with its margins; of one that may depart at another time, also where others
-    /// stand.
+    /// The separation of one vehicle, with its margins. Where others stand counts for one with retiming only: no path
+    /// around them helps the others.
     pub(super) fn nearness(&self, index: usize) -> Nearness {
         let nearness = nearness(self.spec, self.request.margins_of(index));
-        let can_wait = self.spec.vehicles[index].retiming.is_open();
+        let clear_m = match self.spec.vehicles[index].retiming.is_open() {
+            true => clear_m(nearness.distance_m),
+            false => 0.0,
+        };
         Nearness {
-            clear_m: if can_wait {
-                CLEAR_M.min(nearness.distance_m)
-            } else {
-                0.0
-            },
+            clear_m,
             ..nearness
         }
     }

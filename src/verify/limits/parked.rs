@@ -1,7 +1,7 @@
 //! Landings where another vehicle stands: the separation counts nothing that is on the ground.
 
 use crate::numeric::digits::count;
-use crate::numeric::tracks::{CLEAR_M, CLEARED_AFTER_S, LEVEL_M};
+use crate::numeric::tracks::{CLEARED_AFTER_S, LEVEL_M, clear_m};
 use crate::verify::{Limit, Margin, Moment, Requirement, Track};
 
 /// Places nearer to each other than this may be one, metres: within the errors of two positions.
@@ -31,7 +31,7 @@ pub enum Landed {
 pub fn landings(tracks: &[Track], landed: Landed, separation_m: f64) -> Vec<Margin> {
     let mut parked: Vec<Parked<'_>> = tracks.iter().flat_map(ends).collect();
     parked.sort_by(|a, b| lat_deg(a.at).total_cmp(&lat_deg(b.at)));
-    let clear_m = CLEAR_M.min(separation_m);
+    let clear_m = clear_m(separation_m);
     let landings = parked.iter().filter(|one| one.is_down);
     landings
         .filter_map(|one| margin(one, &parked, landed, clear_m))

@@ -66,13 +66,11 @@ impl JointPlan<'_> {
 
 /// A timed path from a time on, and what its vehicle does at its end.
 fn segments(path: &[TimedPoint], from_s: f64, lands: bool) -> Vec<Segment> {
-    let axes = |of: &TimedPoint| [of.point.at.east_m, of.point.at.north_m, of.point.amsl.0];
     let pairs = path.windows(2).filter(|pair| pair[1].t_s > from_s);
-    let flown = pairs
-        .map(|pair| Segment::between((pair[0].t_s, axes(&pair[0])), (pair[1].t_s, axes(&pair[1]))));
+    let flown = pairs.map(|pair| Segment::between(pair[0].placed(), pair[1].placed()));
     let stays_s = if lands { LANDS_S } else { STAYS_S };
     let stays = path
         .last()
-        .map(|last| Segment::between((last.t_s, axes(last)), (last.t_s + stays_s, axes(last))));
+        .map(|last| Segment::between(last.placed(), (last.t_s + stays_s, last.point.axes_m())));
     flown.chain(stays).collect()
 }
