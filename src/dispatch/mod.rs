@@ -293,18 +293,12 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let count = job.spec.vehicles.len();
     let is_crowd = crowd::is_crowd(job.spec, job.world);
     if is_crowd {
-        let found = planned_together(job);
-        let ends = |found: &Dispatched| found.review.passes() || count > crowd::MAX_ONE_BY_ONE;
-        if let Some(mut found) = found.filter(ends) {
-            // With more pairs than vehicles nobody has a way between the others.
-            if (1..=count).contains(&found.violated()) && !job.run.is_cancelled() {
-                let mended = mended_in_rounds(job, &found.plan);
-                if mended.is_better_than(found.rank()) {
-                    found = mended;
-                }
+        if let Some(found) = planned_together(job) {
+            let mut found = mended(job, found);
+            if found.review.passes() || count > crowd::MAX_ONE_BY_ONE {
+                found.name_those_too_near(job.spec);
+                return found;
             }
-            found.name_those_too_near(job.spec);
-            return found;
         }
     }
     let one_by_one = with_fewer_freedoms(job);
@@ -318,6 +312,20 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let together = planned_together(job).filter(|found| found.review.passes());
     let better = together.filter(|found| found.is_better_than(one_by_one.rank()));
     better.unwrap_or(one_by_one)
+}
+
+/// A crowd planned as a whole, with the vehicles that are left too near to each other planned again around all others.
+fn mended(job: Job<'_>, found: Dispatched) -> Dispatched {
+    // With more pairs than vehicles nobody has a way between the others.
+    if !(1..=found.plan.vehicles.len()).contains(&found.violated()) || job.run.is_cancelled() {
+        return found;
+    }
+    let mended = mended_in_rounds(job, &found.plan);
+    if mended.is_better_than(found.rank()) {
+        mended
+    } else {
+        found
+    }
 }
 
 /// Dispatches a fleet one by one, and so that none pays for others but for want of a better way: also

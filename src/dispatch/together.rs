@@ -31,7 +31,10 @@ pub(super) fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     }
     // With more control points a path leads aside for a part of its way.
     let finer: Vec<VehiclePlan> = alone.iter().map(VehiclePlan::refined).collect();
-    resolved_together(job, &finer).or(Some(best))
+    let finer = resolved_together(job, &finer);
+    finer
+        .filter(|finer| finer.is_better_than(best.rank()))
+        .or(Some(best))
 }
 
 /// The first plan on variants of the paths of the vehicles alone that passes, and where none does the

@@ -126,6 +126,16 @@ fn a_crowd_without_any_plan_ends_with_who_is_in_whose_way() {
     }
 }
 
+/// One pair of the plan as a whole is left, and each of the two has a way around all others.
+#[test]
+fn ten_that_share_one_gap_pass() {
+    let path = Path::new("tests/data/hard/ten-through-a-gap.yaml");
+    let text = std::fs::read_to_string(path).expect("a spec");
+    let dispatched = planned(text, 1);
+    let mut broken = dispatched.review.margins.iter().filter(|margin| !margin.ok);
+    assert_eq!(broken.next(), None);
+}
+
 /// No rule for all of them, and no variants of their paths, kept more than some thirty pairs apart.
 #[test]
 fn thirty_that_cross_at_one_place_among_masts_and_zones_pass() {
