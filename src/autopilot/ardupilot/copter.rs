@@ -1,7 +1,7 @@
 //! ArduCopter.
 
 use super::{COMMANDS_IN_A_ROW, DEV, JUMPS_IN_A_ROW};
-use crate::autopilot::acceptance::{Acceptance, Capacity};
+use crate::autopilot::acceptance::{AcceptanceRules, Capacity};
 use crate::autopilot::behaviour::{Behaviour, Figure, NONE, measured};
 use crate::autopilot::corner::{CornerLaw, Skips, Stops};
 use crate::autopilot::modes::{Modes, mode};
@@ -60,7 +60,7 @@ pub(in crate::autopilot) static ARDUCOPTER: Facts = Facts {
     buffer_m: COPTER_BUFFER_M,
 };
 
-pub(super) const COPTER_ACCEPTANCE: Acceptance = Acceptance {
+pub(super) const COPTER_ACCEPTANCE: AcceptanceRules = AcceptanceRules {
     location_frames: &[0, 3, 5, 6, 10, 11],
     command_frames: None,
     // `ModeAuto::loc_from_cmd`.

@@ -2,7 +2,7 @@
 
 use super::copter::{ARDUCOPTER, COPTER_ACCEPTANCE, COPTER_BEHAVIOUR};
 use super::{COMMANDS_IN_A_ROW, DEV, JUMPS_IN_A_ROW};
-use crate::autopilot::acceptance::{Acceptance, Capacity};
+use crate::autopilot::acceptance::{AcceptanceRules, Capacity};
 use crate::autopilot::behaviour::{Behaviour, Figure, NONE, measured};
 use crate::autopilot::corner::{Skips, Stops};
 use crate::autopilot::modes::{Modes, mode};
@@ -77,7 +77,7 @@ pub(in crate::autopilot) static ARDUPLANE: Facts = Facts {
     buffer_m: WING_BUFFER_M,
 };
 
-pub(super) const PLANE_ACCEPTANCE: Acceptance = Acceptance {
+pub(super) const PLANE_ACCEPTANCE: AcceptanceRules = AcceptanceRules {
     takeoffs: &[command::NAV_TAKEOFF],
     landings: &[command::NAV_LAND],
     // `ModeAuto::verify_nav_delay` returns at once when armed.

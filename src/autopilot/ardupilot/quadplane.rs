@@ -3,7 +3,7 @@
 use super::DEV;
 use super::copter::ARDUCOPTER;
 use super::plane::{ARDUPLANE, FASTER_SHARE, PLANE_ACCEPTANCE, WING_BEHAVIOUR};
-use crate::autopilot::acceptance::Acceptance;
+use crate::autopilot::acceptance::AcceptanceRules;
 use crate::autopilot::behaviour::{Behaviour, Figure, measured};
 use crate::autopilot::modes::{Modes, mode};
 use crate::autopilot::version::version;
@@ -12,7 +12,7 @@ use crate::autopilot::{Defaults, Facts, command, parameters};
 pub(in crate::autopilot) static QUADPLANE: Facts = Facts {
     firmware: "ArduPlane (QuadPlane)",
     support: ARDUCOPTER.support,
-    acceptance: Acceptance {
+    acceptance: AcceptanceRules {
         takeoffs: &[command::NAV_VTOL_TAKEOFF],
         landings: &[command::NAV_VTOL_LAND],
         // `QuadPlane::do_vtol_takeoff`, unless `Q_OPTIONS` says otherwise.
