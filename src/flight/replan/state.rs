@@ -80,17 +80,11 @@ impl VehicleState {
         observed: &ObservedVehicle,
         threat_time: &ThreatTime,
     ) -> Result<Self, String> {
-        let held = VehicleMission {
-            items: observed.onboard.mission.clone(),
-            ..planned.clone()
-        };
-        let returns = |item: &Item| item.command == command::NAV_RETURN_TO_LAUNCH;
-        if held.items.iter().any(returns) {
-            return Err("flies a NAV_RETURN_TO_LAUNCH, on a path of its own".to_owned());
-        }
+        let held = held(planned, observed)?;
         let first = usize::from(planned.autopilot.first_row());
         let row = (usize::from(observed.seq) + first).max(1);
         let here = point(plan, &observed.position);
+        let mode = observed.heartbeat.custom_mode;
         let reference = untimed(&held, plan);
         let itinerary = plan.itineraries.get(vehicle);
         let left = itinerary.map(|itinerary| left_of(itinerary, &reference, row));
@@ -122,7 +116,7 @@ impl VehicleState {
             column,
             drops,
             flown: threat_time.flown_track(plan, observed),
-            doing: Doing::of((plan, vehicle), planned, observed.beat.custom_mode, here),
+            doing: Doing::of((plan, vehicle), planned, mode, here),
             counts_items: (1..u16::MAX).contains(&observed.total),
             origin: origin.filter(|_| !rising).unwrap_or(here),
             ahead,
@@ -219,6 +213,19 @@ impl ThreatTime {
         }
         flown
     }
+}
+
+/// The planned mission with the items on board.
+fn held(planned: &VehicleMission, observed: &ObservedVehicle) -> Result<VehicleMission, String> {
+    let held = VehicleMission {
+        items: observed.onboard.mission.clone(),
+        ..planned.clone()
+    };
+    let returns = |item: &Item| item.command == command::NAV_RETURN_TO_LAUNCH;
+    if held.items.iter().any(returns) {
+        return Err("flies a NAV_RETURN_TO_LAUNCH, on a path of its own".to_owned());
+    }
+    Ok(held)
 }
 
 /// Where its planned path begins, and where it ends.
