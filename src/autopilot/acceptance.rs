@@ -22,7 +22,7 @@ pub struct Capacity {
 
 /// Items that one autopilot accepts on one airframe.
 #[derive(Clone, Copy, Debug)]
-pub struct Acceptance {
+pub struct AcceptanceRules {
     /// Items with a location may have these frames.
     pub location_frames: &'static [u8],
     /// Items without a location may have these; absent: any.

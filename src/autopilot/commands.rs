@@ -3,7 +3,7 @@
 //! Unless a row names another source, ArduPilot's column is from
 //! `AP_Mission::mavlink_int_to_mission_cmd` and `sanity_check_params`, PX4's from
 //! `mavlink_mission.cpp` and `FeasibilityChecker::checkMissionItemValidity`.
-//! Rules that hold for every command (frames, ranges, counts) are in [`super::Acceptance`]; the parameters that PX4
+//! Rules that hold for every command (frames, ranges, counts) are in [`super::AcceptanceRules`]; the parameters that PX4
 //! reads of each are in [`ReadParameters`].
 
 pub(super) mod read_parameters;
@@ -97,7 +97,7 @@ pub struct CommandRule {
     pub versions: VersionRange,
     /// Whether it has a location.
     pub location: Location,
-    /// Whether `param1` to `param4` may be NaN; not read where [`super::Acceptance::any_nan`] is set.
+    /// Whether `param1` to `param4` may be NaN; not read where [`super::AcceptanceRules::any_nan`] is set.
     pub nan: [bool; 4],
     /// Values that it must not have.
     pub params: &'static [ParamRule],
@@ -272,7 +272,7 @@ pub static COMMANDS: &[CommandRow] = &[
     px4((187, "DO_SET_ACTUATOR"), Moves),
     row((188, "DO_RETURN_PATH_START"), NoMotion, Some(STORED), None),
     // PX4: frame 2 alone (`command_frames` in px4.rs). ArduPilot: 2 and those of places. Of the whole mission: `one_land_start`,
-    // `zero_is_no_place` and `before_takeoff` of `Acceptance`, and for wings `mission/accept/wing.rs`. Its parameters: `read_parameters.rs`.
+    // `zero_is_no_place` and `before_takeoff` of `AcceptanceRules`, and for wings `mission/accept/wing.rs`. Its parameters: `read_parameters.rs`.
     row((189, "DO_LAND_START"), NoMotion, Some(STORED), Some(ACTION)),
     ardupilot((191, "DO_GO_AROUND"), Moves),
     ardupilot((193, "DO_PAUSE_CONTINUE"), Moves),

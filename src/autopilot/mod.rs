@@ -2,8 +2,8 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | What does ArduPlane do? | `ARDUPLANE` in `ardupilot.rs`: capacity, acceptance, modes, parameters, behaviour |
-//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`), with the airframe's [`Acceptance`] (`ardupilot.rs`, `px4.rs`) and, of PX4, [`ReadParameters`]; applied by `mission/accept/` |
+//! | What does ArduPlane do? | `ARDUPLANE` in `ardupilot/plane.rs`: capacity, acceptance, modes, parameters, behaviour |
+//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`), with the airframe's [`AcceptanceRules`] (`ardupilot/`, `px4.rs`) and, of PX4, [`ReadParameters`]; applied by `mission/accept/` |
 //! | What reads back after an upload? | [`Stored`] (`stored_form.rs`), [`Conventions::packs_items`] |
 //! | How many items fit? | [`Facts::capacity`] |
 //! | Which figures does the verdict assume for a PX4 copter? | `px4.rs`: `COPTER.defaults` (speeds, acceleration) and `COPTER_BEHAVIOUR` (lateness, lean; the rest is ArduCopter's), each with version, samples and source ([`Measured`]); corners in `corner.rs` |
@@ -31,7 +31,7 @@ mod version;
 
 use serde::{Deserialize, Serialize};
 
-pub use acceptance::{Acceptance, Capacity};
+pub use acceptance::{AcceptanceRules, Capacity};
 pub use behaviour::{Behaviour, Figure, MAX_LEAN_DEG, Measured};
 pub use commands::{
     COMMANDS, CommandRow, CommandRule, Location, Motion, ParamRule, ReadParameters, Rejected,
@@ -180,7 +180,7 @@ pub struct Facts {
     /// How many items it stores.
     pub capacity: Capacity,
     /// Which items it accepts, besides the rules of [`COMMANDS`].
-    pub acceptance: Acceptance,
+    pub acceptance: AcceptanceRules,
     /// Stored form of parameters; the first row of a command counts.
     pub stored: &'static [&'static [StoredRow]],
     /// Flight modes.

@@ -1,6 +1,6 @@
 //! PX4: copters, planes and VTOL.
 
-use super::acceptance::{Acceptance, Capacity};
+use super::acceptance::{AcceptanceRules, Capacity};
 use super::ardupilot;
 use super::behaviour::{Behaviour, Figure, NONE, measured};
 use super::commands::read_parameters;
@@ -43,7 +43,7 @@ static BEFORE_TAKEOFF: [u16; 29] = [
     532, 534, 1000, 1001, 2000, 2001, 2003, 2500, 2501, 3000,
 ];
 
-const COPTER_ACCEPTANCE: Acceptance = Acceptance {
+const COPTER_ACCEPTANCE: AcceptanceRules = AcceptanceRules {
     location_frames: &[0, 3, 5, 6],
     command_frames: Some(&[frame::MISSION]),
     zero_is_here: &[],
@@ -210,7 +210,7 @@ pub(super) static PLANE: Facts = Facts {
         replan: Evidence::No,
         ..Support::all(Evidence::Measured("1.16"))
     },
-    acceptance: Acceptance {
+    acceptance: AcceptanceRules {
         needs_takeoff: true,
         one_land_start: true,
         reads: Some(&read_parameters::PX4_WING),
@@ -302,7 +302,7 @@ pub(super) static VTOL: Facts = Facts {
         replan: Evidence::No,
         ..Support::all(Evidence::Measured("1.18"))
     },
-    acceptance: Acceptance {
+    acceptance: AcceptanceRules {
         needs_takeoff: true,
         one_land_start: true,
         reads: Some(&read_parameters::PX4_WING),

@@ -93,16 +93,16 @@ pub(super) fn warn(file: &SpecFile, world: &World) {
 
 /// That a file of airspace or obstacles may not say what was meant.
 fn import_warning(import: &AirspaceImport) -> Option<String> {
-    let is_empty = [import.out_of_reach, import.left_out, import.open]
+    let is_empty = [import.out_of_reach, import.left_out, import.unrestricted]
         .iter()
         .sum::<usize>()
         + import.zones.len()
         + import.without_area
         == 0;
-    if import.exchanged > 0 {
-        let (file, exchanged) = (&import.file, import.exchanged);
+    if import.axes_swapped > 0 {
+        let (file, swapped) = (&import.file, import.axes_swapped);
         return Some(format!(
-            "{file}: {exchanged} out of reach would be in the area with latitude and longitude exchanged"
+            "{file}: {swapped} out of reach would be in the area with latitude and longitude exchanged"
         ));
     }
     is_empty.then(|| format!("{}: no zone or obstacle is in it", import.file))
@@ -174,7 +174,7 @@ fn import_lines(import: &AirspaceImport) -> Vec<String> {
         (import.zones.len(), "zones"),
         (import.out_of_reach, "out of reach"),
         (import.left_out, "left out by only or skip"),
-        (import.open, "that forbid nothing"),
+        (import.unrestricted, "that forbid nothing"),
         (import.without_area, "lines and points"),
     ];
     let parts = parts.iter().filter(|(number, _)| *number > 0);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Candidate, Problem};
 
-/// Rows of one parallel task. Small enough that one swarm fills two threads.
+/// Candidates, one a row, of one parallel task. Small enough that one swarm fills two threads.
 const ROWS_PER_TASK: usize = 8;
 
 /// The best cost known after a number of evaluations.
@@ -27,7 +27,7 @@ pub struct Evaluator<'a, P: Problem + ?Sized> {
     best: Option<Candidate>,
     trace: Vec<TracePoint>,
     /// The best and the trace of the problem itself, while the relaxed one is evaluated.
-    aside: (Option<Candidate>, Vec<TracePoint>),
+    set_aside: (Option<Candidate>, Vec<TracePoint>),
     watch: &'a (dyn Fn(TracePoint) + Sync),
 }
 
@@ -43,7 +43,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
             spent: 0,
             best: None,
             trace: Vec::new(),
-            aside: (None, Vec::new()),
+            set_aside: (None, Vec::new()),
             watch,
         }
     }
@@ -89,7 +89,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     pub fn relax(&mut self) -> bool {
         if !self.is_relaxed && self.problem.relaxed().is_some() {
             self.is_relaxed = true;
-            self.aside = (self.best.take(), std::mem::take(&mut self.trace));
+            self.set_aside = (self.best.take(), std::mem::take(&mut self.trace));
         }
         self.is_relaxed
     }
@@ -99,7 +99,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     pub fn restore(&mut self) -> bool {
         let was_relaxed = std::mem::replace(&mut self.is_relaxed, false);
         if was_relaxed {
-            (self.best, self.trace) = std::mem::take(&mut self.aside);
+            (self.best, self.trace) = std::mem::take(&mut self.set_aside);
         }
         was_relaxed
     }
@@ -115,22 +115,23 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     #[must_use]
     pub fn evaluate(&mut self, candidates: &[f64]) -> Vec<f64> {
         let count = candidates.len() / self.dimension().max(1);
-        let mut rows = candidates.to_vec();
-        let as_they_are = |_: usize, (): &mut (), _: &mut [f64]| ();
-        let made = self.evaluate_made(&mut rows, &mut vec![(); count], as_they_are, false);
-        made.0
+        let mut candidates = candidates.to_vec();
+        let unchanged = |_: usize, (): &mut (), _: &mut [f64]| ();
+        let mut sources = vec![(); count];
+        let (costs, _) = self.evaluate_generated(&mut candidates, &mut sources, unchanged, false);
+        costs
     }
 
-    /// The same of rows that are made just before they are evaluated, by `make` from their
-    /// number and one of `of`; and the parts of each cost that groups of variables may change,
-    /// row by row: infinite for rows that are not evaluated. If not `in_parts`, the only part is
-    /// the cost.
+    /// The same of candidates that are generated just before they are evaluated, by `generate` from
+    /// their number and one of `sources`; and the parts of each cost that groups of variables may
+    /// change, row by row: infinite for rows that are not evaluated. If not `in_parts`, the only part
+    /// is the cost.
     #[must_use]
-    pub fn evaluate_made<T: Send>(
+    pub fn evaluate_generated<T: Send>(
         &mut self,
-        rows: &mut [f64],
-        of: &mut [T],
-        make: impl Fn(usize, &mut T, &mut [f64]) + Sync,
+        candidates: &mut [f64],
+        sources: &mut [T],
+        generate: impl Fn(usize, &mut T, &mut [f64]) + Sync,
         in_parts: bool,
     ) -> (Vec<f64>, Vec<f64>) {
         let (problem, relaxed) = (self.problem, self.relaxed());
@@ -139,13 +140,13 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
                 Some(relaxed) => relaxed.evaluate_parts(rows, costs, parts),
                 None => problem.evaluate_parts(rows, costs, parts),
             };
-            self.batch(rows, of, problem.groups(), make, evaluate)
+            self.batch(candidates, sources, problem.groups(), generate, evaluate)
         } else {
             let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| match relaxed {
                 Some(relaxed) => relaxed.evaluate(rows, costs),
                 None => problem.evaluate(rows, costs),
             };
-            let (costs, _) = self.batch(rows, of, 1, make, evaluate);
+            let (costs, _) = self.batch(candidates, sources, 1, generate, evaluate);
             (costs.clone(), costs)
         }
     }
@@ -157,47 +158,47 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     fn batch<T: Send>(
         &mut self,
         candidates: &mut [f64],
-        of: &mut [T],
+        sources: &mut [T],
         groups: usize,
-        make: impl Fn(usize, &mut T, &mut [f64]) + Sync,
+        generate: impl Fn(usize, &mut T, &mut [f64]) + Sync,
         evaluate: impl Fn(&[f64], &mut [f64], &mut [f64]) + Sync,
     ) -> (Vec<f64>, Vec<f64>) {
         let dimension = self.dimension().max(1);
-        let rows = of.len().min(candidates.len() / dimension);
-        let allowed = rows.min(self.budget - self.spent);
-        let mut costs = vec![f64::INFINITY; rows];
-        let mut parts = vec![f64::INFINITY; rows * groups];
-        let make_all = |first: usize, rows: &mut [f64], of: &mut [T]| {
-            let rows = rows.chunks_exact_mut(dimension).zip(of);
-            for (index, (row, of)) in (first..).zip(rows) {
-                make(index, of, row);
+        let count = sources.len().min(candidates.len() / dimension);
+        let allowed = count.min(self.budget - self.spent);
+        let mut costs = vec![f64::INFINITY; count];
+        let mut parts = vec![f64::INFINITY; count * groups];
+        let generate_all = |first: usize, rows: &mut [f64], sources: &mut [T]| {
+            let rows = rows.chunks_exact_mut(dimension).zip(sources);
+            for (number, (row, source)) in (first..).zip(rows) {
+                generate(number, source, row);
             }
         };
-        let (evaluated, others) = candidates.split_at_mut(allowed * dimension);
-        let (of, of_others) = of.split_at_mut(allowed);
-        make_all(allowed, others, of_others);
-        evaluated
+        let (within_budget, beyond_budget) = candidates.split_at_mut(allowed * dimension);
+        let (sources, sources_beyond) = sources.split_at_mut(allowed);
+        generate_all(allowed, beyond_budget, sources_beyond);
+        within_budget
             .par_chunks_mut(ROWS_PER_TASK * dimension)
-            .zip(of.par_chunks_mut(ROWS_PER_TASK))
+            .zip(sources.par_chunks_mut(ROWS_PER_TASK))
             .zip(costs[..allowed].par_chunks_mut(ROWS_PER_TASK))
             .zip(parts[..allowed * groups].par_chunks_mut(ROWS_PER_TASK * groups))
             .enumerate()
-            .for_each(|(task, (((rows, of), costs), parts))| {
-                make_all(task * ROWS_PER_TASK, rows, of);
+            .for_each(|(task, (((rows, sources), costs), parts))| {
+                generate_all(task * ROWS_PER_TASK, rows, sources);
                 evaluate(rows, costs, parts);
             });
-        for (row, cost) in costs[..allowed].iter_mut().enumerate() {
+        for (number, cost) in costs[..allowed].iter_mut().enumerate() {
             if cost.is_nan() {
                 *cost = f64::INFINITY;
             }
             self.fold(
-                self.spent + row + 1,
+                self.spent + number + 1,
                 *cost,
-                &candidates[row * dimension..][..dimension],
+                &candidates[number * dimension..][..dimension],
             );
         }
         self.spent += allowed;
-        if let Some(best) = self.aside.0.as_ref().or(self.best.as_ref()) {
+        if let Some(best) = self.set_aside.0.as_ref().or(self.best.as_ref()) {
             (self.watch)(TracePoint {
                 evaluations: self.spent,
                 best: best.cost,

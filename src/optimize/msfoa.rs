@@ -239,7 +239,7 @@ fn generation<P: Problem + ?Sized>(
     // What a window leaves out does not cancel: the last of a cost is found as a whole.
     let in_parts = evaluator.spent() * WHOLE.1 <= evaluator.budget() * WHOLE.0;
     let groups = if in_parts { evaluator.groups() } else { 1 };
-    let (costs, parts) = evaluator.evaluate_made(&mut rows, &mut flights, fly, in_parts);
+    let (costs, parts) = evaluator.evaluate_generated(&mut rows, &mut flights, fly, in_parts);
     let seen = rows
         .par_chunks(flies * dimension)
         .zip(flights.par_chunks(flies));

@@ -27,7 +27,7 @@ pub(super) fn read(text: &str) -> Result<Option<Collection>, ShapesError> {
             .find_map(|key| word(feature, key));
         let name = named.map_or_else(|| format!("feature {}", index + 1), str::to_owned);
         if word(feature, "restriction") == Some("NO_RESTRICTION") {
-            collection.open += 1;
+            collection.unrestricted += 1;
             continue;
         }
         let volumes = match feature.get("geometry") {

@@ -42,7 +42,7 @@ pub(super) fn read(text: &str) -> Result<Collection, ShapesError> {
         };
         let classes = classes(&properties);
         if classes.iter().any(|class| class == "NO_RESTRICTION") {
-            collection.open += 1;
+            collection.unrestricted += 1;
             continue;
         }
         let mut parts = Vec::new();

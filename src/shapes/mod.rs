@@ -102,7 +102,7 @@ pub struct Collection {
     /// Shapes that were not.
     pub refused: Vec<Refused>,
     /// Shapes that forbid nothing: `NO_RESTRICTION`, and class G without a type.
-    pub open: usize,
+    pub unrestricted: usize,
     /// Shapes that were read without the heights of their corners.
     pub without_heights: usize,
 }

@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
         let parsed = with_heights(&block);
         let found: Vec<_> = ::openair::parse(parsed.as_bytes()).collect();
         match <[_; 1]>::try_from(found) {
-            Ok([Ok(airspace)]) if is_open(&airspace) => collection.open += 1,
+            Ok([Ok(airspace)]) if is_unrestricted(&airspace) => collection.unrestricted += 1,
             Ok([Ok(airspace)]) => {
                 match angles(&block).and_then(|()| shape(&label, &airspace, &block)) {
                     Ok(shape) => collection.shapes.push(shape),
@@ -51,7 +51,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
             }
         }
     }
-    if collection.shapes.is_empty() && collection.refused.is_empty() && collection.open == 0 {
+    if collection.shapes.is_empty() && collection.refused.is_empty() && collection.unrestricted == 0
+    {
         return Err(malformed("OpenAir", "no line begins with AC"));
     }
     Ok(collection)
@@ -110,7 +111,7 @@ fn name_of(block: &str) -> Option<String> {
 }
 
 /// Class G without a type forbids nothing.
-fn is_open(airspace: &Airspace) -> bool {
+fn is_unrestricted(airspace: &Airspace) -> bool {
     airspace.type_.is_none() && matches!(airspace.class, Class::G)
 }
 

@@ -59,7 +59,7 @@ fn ed_269_has_units_references_and_times_and_what_lacks_one_is_refused_by_name()
         (Some(Height::Agl(50.0)), Some(Height::Agl(150.0)))
     );
     assert_eq!(other.active, (None, None));
-    assert_eq!((found.open, refused(&found)), (1, vec!["LFR004"]));
+    assert_eq!((found.unrestricted, refused(&found)), (1, vec!["LFR004"]));
 }
 
 /// Laid out as EUROCAE ED-318 has it: GeoJSON whose geometries have a layer, and circles an extent.
@@ -371,7 +371,7 @@ fn zones_in_openair_are_no_smaller_and_what_is_lost_is_said() {
     let all = to_write();
     let openair = write_as(Format::OpenAir, &all);
     let lost = ("a<b&c".to_owned(), "without its holes: OpenAir has none");
-    assert_eq!((openair.changed, openair.left_out.len()), (vec![lost], 1));
+    assert_eq!((openair.enlarged, openair.left_out.len()), (vec![lost], 1));
     let read_back = shapes("x.txt", &openair.text);
     let ring = named(&read_back, "a<b&c");
     assert_eq!(ring.floor, Some(Height::Amsl(329.0 * 0.3048)));
@@ -395,7 +395,7 @@ fn zones_in_openair_are_no_smaller_and_what_is_lost_is_said() {
 #[test]
 fn zones_in_kml_are_no_smaller_and_what_is_lost_is_said() {
     let kml = write_as(Format::Kml, &to_write());
-    assert_eq!((kml.changed.len(), kml.left_out.len()), (2, 1));
+    assert_eq!((kml.enlarged.len(), kml.left_out.len()), (2, 1));
     let read_back = shapes("x.kml", &kml.text);
     let ring = named(&read_back, "a<b&c");
     assert_eq!((ring.floor, ring.ceiling), (None, Some(Height::Agl(120.1))));

@@ -27,14 +27,14 @@ pub struct Rewritten {
     /// The text.
     pub text: String,
     /// Shapes that came out larger: name and how.
-    pub changed: Vec<(String, &'static str)>,
+    pub enlarged: Vec<(String, &'static str)>,
     /// Shapes that are not in it.
     pub left_out: Vec<Refused>,
 }
 
 impl Rewritten {
-    fn change(&mut self, shape: &Shape, how: &'static str) {
-        self.changed.push((shape.name.clone(), how));
+    fn enlarge(&mut self, shape: &Shape, how: &'static str) {
+        self.enlarged.push((shape.name.clone(), how));
     }
 
     fn leave_out(&mut self, shape: &Shape, why: &str) {

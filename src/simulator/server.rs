@@ -235,7 +235,7 @@ impl Vehicle {
         self.fly(now);
         if now >= self.heartbeat_due && !self.is_dark(now) {
             self.heartbeat_due = now + HEARTBEAT_MS;
-            self.beat(now);
+            self.heartbeat_is_due(now);
         }
         if now >= self.health_due && !self.is_dark(now) {
             self.health_is_due(now);

@@ -1,4 +1,4 @@
-//! Parameters with which the verdict does not know how a mission is flown.
+//! Parameter values with which the verdict knows how a mission is flown, and how a vehicle returns.
 
 use std::fmt;
 
@@ -97,6 +97,18 @@ pub(in crate::autopilot) const PX4_JUDGED: &[(&str, Judged)] = &[
     ("SYS_VEHICLE_RESP", UNSET),
     ("FW_GND_SPD_MIN", Judged::UpTo(5.0)),
 ];
+
+/// Parameters that lead a return elsewhere than the verdict flies it, with the value of those that
+/// do not: where a mission comes with another value, its return is not known.
+pub(in crate::autopilot) const COPTER_RETURNS: &[(&str, f64)] = &[("RTL_ALT_TYPE", 0.0)];
+pub(in crate::autopilot) const PLANE_RETURNS: &[(&str, f64)] = &[
+    ("RTL_AUTOLAND", 0.0),
+    ("RTL_CLIMB_MIN", 0.0),
+    ("Q_RTL_MODE", 0.0),
+    ("TERRAIN_FOLLOW", 0.0),
+];
+/// `RTL_LAND_DELAY` below 0 stays over home, and is read as such.
+pub(in crate::autopilot) const PX4_RETURNS: &[(&str, f64)] = &[("RTL_TYPE", 0.0)];
 
 #[cfg(test)]
 mod tests {

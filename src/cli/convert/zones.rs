@@ -19,11 +19,15 @@ struct Report {
     input: String,
     output: String,
     shapes: usize,
-    open: usize,
+    /// Shapes that forbid nothing.
+    #[serde(rename = "open")]
+    unrestricted: usize,
     /// Shapes whose corners have heights, which no format of zones keeps.
     without_heights: usize,
     refused: Vec<String>,
-    changed: Vec<String>,
+    /// Shapes that came out larger.
+    #[serde(rename = "changed")]
+    enlarged: Vec<String>,
 }
 
 /// The format of a file by its name.
@@ -68,17 +72,17 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     let written = shapes::write_as(format, &collection.shapes);
     replace::write_file(output, written.text.as_bytes())?;
     let refused = collection.refused.iter().chain(&written.left_out);
-    let changed = written.changed.iter();
+    let enlarged = written.enlarged.iter();
     let report = Report {
         input: input.display().to_string(),
         output: output.display().to_string(),
         shapes: collection.shapes.len() - written.left_out.len(),
-        open: collection.open,
+        unrestricted: collection.unrestricted,
         without_heights: collection.without_heights,
         refused: refused
             .map(|of| format!("{}: {}", escaped(&of.name), escaped(&of.why)))
             .collect(),
-        changed: changed
+        enlarged: enlarged
             .map(|(name, how)| format!("{}: {how}", escaped(name)))
             .collect(),
     };
@@ -89,8 +93,8 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     for refused in &report.refused {
         note(&format!("refused: {refused}"));
     }
-    for changed in &report.changed {
-        note(&format!("larger: {changed}"));
+    for enlarged in &report.enlarged {
+        note(&format!("larger: {enlarged}"));
     }
     if report.without_heights > 0 {
         note(&format!(
@@ -103,7 +107,7 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
         "{}: {}; {} that forbid nothing, {} refused",
         report.output,
         counted(&collection.shapes, &written.left_out),
-        report.open,
+        report.unrestricted,
         report.refused.len()
     ))?;
     complete(&report)

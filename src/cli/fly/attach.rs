@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use super::socket::{self, ASK, BEAT, END, LINE, OLD_MS, REST};
+use super::socket::{self, ASK, END, KEEPALIVE, LINE, OLD_MS, REST};
 use crate::cli::print::console::{note, out};
 use crate::cli::print::failure::{Code, Failure};
 use crate::flight::steady_ms;
@@ -18,19 +18,19 @@ const SILENT_S: u64 = 3;
 const AGAIN_S: u64 = 30;
 
 /// Whether the process of the flight goes on, as far as it says so; one of an older version does not.
-struct Beats {
-    /// Whether beats come, or may still come.
+struct Keepalives {
+    /// Whether keepalives come, or may still come.
     is_heard: bool,
-    /// Whether anything came: a beat does first.
+    /// Whether anything came: a keepalive does first.
     has_begun: bool,
     /// Seconds since anything was heard.
     silent_s: u64,
 }
 
-/// That a process sends no beats.
-const NO_BEATS: u64 = u64::MAX;
+/// That a process sends no keepalives.
+const NO_KEEPALIVES: u64 = u64::MAX;
 
-impl Beats {
+impl Keepalives {
     /// From the connection on: a process that stands still already says nothing at all.
     fn begin() -> Self {
         Self {
@@ -55,10 +55,10 @@ impl Beats {
         Ok(())
     }
 
-    /// Takes in that something came, a beat or not.
-    fn hear(&mut self, is_beat: bool) -> Result<(), Failure> {
+    /// Takes in that something came, a keepalive or not.
+    fn hear(&mut self, is_keepalive: bool) -> Result<(), Failure> {
         if !std::mem::replace(&mut self.has_begun, true) {
-            self.is_heard = is_beat;
+            self.is_heard = is_keepalive;
         }
         let silent_s = std::mem::take(&mut self.silent_s);
         if silent_s >= SILENT_S {
@@ -74,7 +74,7 @@ impl Beats {
         if self.is_heard {
             self.silent_s
         } else {
-            NO_BEATS
+            NO_KEEPALIVES
         }
     }
 }
@@ -96,29 +96,29 @@ pub(in crate::cli) fn attach(folder: &Path) -> Result<bool, Failure> {
         std::thread::spawn(move || pass_orders(orders, &silence_s));
     }
     let lines = read_lines(stream);
-    let mut beats = Beats::begin();
+    let mut keepalives = Keepalives::begin();
     loop {
         let line = match lines.recv_timeout(Duration::from_secs(1)) {
             Ok(line) => line,
             Err(RecvTimeoutError::Timeout) => {
-                beats.miss()?;
-                silence_s.store(beats.silence(), Ordering::Relaxed);
+                keepalives.miss()?;
+                silence_s.store(keepalives.silence(), Ordering::Relaxed);
                 continue;
             }
             Err(RecvTimeoutError::Disconnected) => break,
         };
-        beats.hear(line.starts_with(BEAT))?;
+        keepalives.hear(line.starts_with(KEEPALIVE))?;
         let mut signs = line.chars();
         match signs.next() {
             Some(LINE) => out(signs.as_str())?,
-            Some(BEAT) => {
-                beats.is_heard = signs.as_str() != REST;
+            Some(KEEPALIVE) => {
+                keepalives.is_heard = signs.as_str() != REST;
                 // A terminal that stands still, or takes no more lines, does not get here.
                 if signs.as_str() == ASK
                     && let Some(session) = &mut answers
                 {
                     // One that is gone is noticed when it is read.
-                    let _ = writeln!(session, "{BEAT}");
+                    let _ = writeln!(session, "{KEEPALIVE}");
                 }
             }
             Some(END) => {
@@ -130,7 +130,7 @@ pub(in crate::cli) fn attach(folder: &Path) -> Result<bool, Failure> {
             }
             _ => {}
         }
-        silence_s.store(beats.silence(), Ordering::Relaxed);
+        silence_s.store(keepalives.silence(), Ordering::Relaxed);
     }
     let message = "the session of the flight ended without a verdict; take the flight over with `sortie watch`";
     Err(Failure::new(Failure::TRANSFER, message))
@@ -169,10 +169,10 @@ fn pass_orders(mut session: UnixStream, silence_s: &AtomicU64) {
         let silence_s = silence_s.load(Ordering::Relaxed);
         let line = match silence_s {
             // One of an older version knows no times of orders.
-            NO_BEATS => order.to_owned(),
+            NO_KEEPALIVES => order.to_owned(),
             _ => format!("{order} {}", steady_ms()),
         };
-        if (SILENT_S..NO_BEATS).contains(&silence_s) {
+        if (SILENT_S..NO_KEEPALIVES).contains(&silence_s) {
             let within_s = OLD_MS / 1000;
             note(&format!(
                 "nothing heard of the process of the flight for {silence_s} s: it carries out the order to {order} only if it goes on within {within_s} s"

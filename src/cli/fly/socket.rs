@@ -2,8 +2,8 @@
 //! terminals attach to with `sortie watch`. One of them commands, the others watch.
 //!
 //! Lines to a terminal begin with a mark: [`LINE`] is shown, [`END`] carries the exit code of the
-//! flight, [`BEAT`] comes each second while the flight is watched, with [`ASK`] where an answer is waited for, and with
-//! [`REST`] when that is over. Lines from a terminal are such answers, a [`BEAT`] alone, and orders: `hold`, `land`,
+//! flight, [`KEEPALIVE`] comes each second while the flight is watched, with [`ASK`] where an answer is waited for, and with
+//! [`REST`] when that is over. Lines from a terminal are such answers, a [`KEEPALIVE`] alone, and orders: `hold`, `land`,
 //! `leave`, and when they were given, milliseconds on the clock of the computer that nobody sets.
 
 use std::collections::VecDeque;
@@ -18,14 +18,14 @@ use crate::numeric::text::escaped;
 /// Marks of lines to a terminal.
 pub(super) const LINE: char = '=';
 pub(super) const END: char = '!';
-pub(super) const BEAT: char = '~';
+pub(super) const KEEPALIVE: char = '~';
 pub(super) const ASK: &str = "?";
 pub(super) const REST: &str = "rest";
-/// A terminal that commands and has answered no beat for this long stands still: another one commands if it orders
+/// A terminal that commands and has answered no keepalive for this long stands still: another one commands if it orders
 /// something, milliseconds.
 const SILENT_MS: u64 = 5000;
-/// Between two beats, milliseconds.
-const BEAT_MS: u64 = 1000;
+/// Between two keepalives, milliseconds.
+const KEEPALIVE_MS: u64 = 1000;
 /// An order that was given longer ago is not carried out, milliseconds: the process of the flight stood still, and the
 /// fleet is elsewhere.
 pub(super) const OLD_MS: u64 = 5000;
@@ -51,8 +51,8 @@ pub(super) struct Socket {
     history: VecDeque<String>,
     /// The table of the fleet, for a terminal that attaches.
     table: Vec<String>,
-    /// When the last beat was sent, milliseconds.
-    beat_ms: u64,
+    /// When the last keepalive was sent, milliseconds.
+    keepalive_ms: u64,
 }
 
 /// An attached terminal.
@@ -63,7 +63,7 @@ struct Client {
     is_gone: bool,
     /// Whether it was informed that it commands.
     commands: bool,
-    /// When it was heard last, milliseconds; none before it has answered a beat, as older ones never do.
+    /// When it was heard last, milliseconds; none before it has answered a keepalive, as older ones never do.
     heard_ms: Option<u64>,
 }
 
@@ -77,7 +77,7 @@ impl Socket {
             clients: Vec::new(),
             history: VecDeque::new(),
             table: Vec::new(),
-            beat_ms: 0,
+            keepalive_ms: 0,
         })
     }
 
@@ -118,9 +118,9 @@ impl Socket {
     pub(super) fn poll(&mut self, has_terminal: bool) -> Option<Intervention> {
         self.admit();
         let now_ms = steady_ms();
-        if now_ms.abs_diff(self.beat_ms) >= BEAT_MS {
-            self.beat_ms = now_ms;
-            self.beat(ASK);
+        if now_ms.abs_diff(self.keepalive_ms) >= KEEPALIVE_MS {
+            self.keepalive_ms = now_ms;
+            self.send_keepalive(ASK);
         }
         let has_commander = has_terminal || self.clients.iter().any(|of| of.commands);
         if let Some(first) = self.clients.first_mut().filter(|_| !has_commander) {
@@ -144,7 +144,7 @@ impl Socket {
         for (index, client) in self.clients.iter_mut().enumerate() {
             client.flush();
             for line in client.orders() {
-                if line.starts_with(BEAT) {
+                if line.starts_with(KEEPALIVE) {
                     client.heard_ms = Some(now_ms);
                     continue;
                 }
@@ -193,15 +193,15 @@ impl Socket {
         }
     }
 
-    fn beat(&mut self, what: &str) {
+    fn send_keepalive(&mut self, what: &str) {
         for client in &mut self.clients {
-            client.send(&format!("{BEAT}{what}\n"));
+            client.send(&format!("{KEEPALIVE}{what}\n"));
         }
     }
 
-    /// The flight is over, and no beat comes while it is judged.
+    /// The flight is over, and no keepalive comes while it is judged.
     pub(super) fn rest(&mut self) {
-        self.beat(REST);
+        self.send_keepalive(REST);
     }
 
     fn admit(&mut self) {
@@ -217,7 +217,7 @@ impl Socket {
                 commands: false,
                 heard_ms: None,
             };
-            client.send(&format!("{BEAT}{ASK}\n"));
+            client.send(&format!("{KEEPALIVE}{ASK}\n"));
             let table = self.table.iter();
             let table = table.map(|row| format!("{LINE}{}\n", escaped(row)));
             for line in self.history.iter().cloned().chain(table) {

@@ -142,7 +142,7 @@ struct Here {
 }
 
 /// A heartbeat that shows its mode comes within this time, seconds: one is sent each second, and two may be lost.
-const BEATS_S: f64 = 3.0;
+const HEARTBEATS_S: f64 = 3.0;
 
 /// The alarms of a fleet in flight.
 #[derive(Debug)]
@@ -471,7 +471,7 @@ impl Watched<'_> {
 
     /// Whether it is known to fly something else: a heartbeat from before its start does not show that.
     fn has_left_plan(&self, t_s: f64) -> bool {
-        let is_shown = self.onboard.was_in_mission() || t_s - self.starts_s() > BEATS_S;
+        let is_shown = self.onboard.was_in_mission() || t_s - self.starts_s() > HEARTBEATS_S;
         self.duty.is_ordered || is_shown && !self.is_on_plan()
     }
 }

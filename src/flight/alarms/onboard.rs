@@ -70,7 +70,7 @@ pub(super) struct Onboard {
     settings: ParameterMismatches,
     /// Until when another plan may be under way to it, seconds after T0.
     sent_until_s: f64,
-    beat: Option<Heartbeat>,
+    heartbeat: Option<Heartbeat>,
     /// When a heartbeat showed its motors to run last, seconds after T0.
     armed_s: f64,
     /// Whether it was in its mission.
@@ -97,7 +97,7 @@ impl Onboard {
             return_targets: ReturnTargets::default(),
             settings: ParameterMismatches::default(),
             sent_until_s: f64::NEG_INFINITY,
-            beat: None,
+            heartbeat: None,
             armed_s: f64::NEG_INFINITY,
             was_in_mission: false,
             cause: None,
@@ -183,7 +183,7 @@ impl Onboard {
         self.return_targets
             .handle(t_s, message, (us, mission), (flies, is_sent));
         match message {
-            Message::Heartbeat(beat) => self.beat(t_s, *beat, mission),
+            Message::Heartbeat(heartbeat) => self.heartbeat(t_s, *heartbeat, mission),
             Message::MissionCurrent {
                 total, opaque_ids, ..
             } => self.current(t_s, *total, opaque_ids[0]),
@@ -213,17 +213,17 @@ impl Onboard {
         }
     }
 
-    fn beat(&mut self, t_s: f64, beat: Heartbeat, mission: &VehicleMission) {
-        if beat.is_armed() {
+    fn heartbeat(&mut self, t_s: f64, heartbeat: Heartbeat, mission: &VehicleMission) {
+        if heartbeat.is_armed() {
             self.armed_s = t_s;
         }
-        if !beat.is_armed() && self.was_in_mission {
+        if !heartbeat.is_armed() && self.was_in_mission {
             // PX4 goes back to its last mode when its motors stop.
             return;
         }
-        let before = self.beat.replace(beat);
-        let is_new = before.is_none_or(|before| before.custom_mode != beat.custom_mode);
-        let is_in_mission = modes::is_mission(mission, beat.custom_mode);
+        let before = self.heartbeat.replace(heartbeat);
+        let is_new = before.is_none_or(|before| before.custom_mode != heartbeat.custom_mode);
+        let is_in_mission = modes::is_mission(mission, heartbeat.custom_mode);
         self.was_in_mission |= is_in_mission;
         if is_in_mission {
             self.why = None;
@@ -235,7 +235,8 @@ impl Onboard {
         } else if is_new {
             let heard = self.cause.take();
             let cause = heard.filter(|(_, at_s)| t_s - at_s <= CAUSE_WINDOW_S);
-            let in_emergency = (STATE_CRITICAL..=STATE_EMERGENCY).contains(&beat.system_status);
+            let in_emergency =
+                (STATE_CRITICAL..=STATE_EMERGENCY).contains(&heartbeat.system_status);
             let itself = || in_emergency.then(|| "the vehicle itself, in an emergency".to_owned());
             let why = cause.map(|(why, _)| why).or_else(itself);
             self.why = Some(why.unwrap_or_else(|| "cause unknown".to_owned()));
@@ -338,21 +339,22 @@ impl Onboard {
 
     /// Whether its heartbeat shows that it flies its mission.
     pub(super) fn flies_mission(&self, mission: &VehicleMission) -> bool {
-        let beat = self.beat;
-        beat.is_some_and(|beat| modes::is_mission(mission, beat.custom_mode))
+        let heartbeat = self.heartbeat;
+        heartbeat.is_some_and(|heartbeat| modes::is_mission(mission, heartbeat.custom_mode))
     }
 
     /// Whether its heartbeat says this `MAV_STATE`.
     pub(super) fn is_in_state(&self, state: u8) -> bool {
-        self.beat.is_some_and(|beat| beat.system_status == state)
+        self.heartbeat
+            .is_some_and(|heartbeat| heartbeat.system_status == state)
     }
 
     /// The mode that it is in, if it is not the one of its mission any more.
     /// `is_due` says that it must be in it by now, whether that was seen or not.
     pub(super) fn mode(&self, mission: &VehicleMission, is_due: bool) -> Option<String> {
-        let beat = self.beat.filter(|_| self.was_in_mission || is_due)?;
+        let heartbeat = self.heartbeat.filter(|_| self.was_in_mission || is_due)?;
         let why = self.why.as_ref()?;
-        let name = modes::name(mission, beat.custom_mode);
+        let name = modes::name(mission, heartbeat.custom_mode);
         Some(format!("left its mission for {name}: {why}"))
     }
 }

@@ -1,7 +1,7 @@
 //! Alarms that stand: raised once, and over when their cause is gone.
 
 use super::onboard::STATES;
-use super::{Alarm, Alarms, BEATS_S, LONG_STALL_S, STALL_WALL_S};
+use super::{Alarm, Alarms, HEARTBEATS_S, LONG_STALL_S, STALL_WALL_S};
 use crate::spec::AlarmKind;
 
 /// The cause of an alarm must be gone for this long before it is over, seconds.
@@ -94,7 +94,9 @@ impl Alarms<'_> {
         let mission = of.onboard.mission(t_s).filter(|_| flies);
         let others = of.onboard.others(t_s).map(|text| text.filter(|_| flies));
         let [home, rally, lists] = others.map(|text| text.map(str::to_owned));
-        let mode = of.onboard.mode(of.mission, t_s - of.starts_s() > BEATS_S);
+        let mode = of
+            .onboard
+            .mode(of.mission, t_s - of.starts_s() > HEARTBEATS_S);
         let mode = mode.filter(|_| is_up && !is_ordered);
         if of.mode_reports.is_news(t_s, mode.as_deref()) {
             // Another mode is another alarm.

@@ -196,14 +196,14 @@ impl<'a> Flying<'a> {
             ..Duty::default()
         };
         alarms.note(0.0, 0, duty);
-        let beat = crate::link::Heartbeat {
+        let heartbeat = crate::link::Heartbeat {
             kind: 2,
             autopilot: 3,
             base_mode: 0b1000_1001,
             custom_mode: 3,
             system_status: 4,
         };
-        alarms.handle(0.0, 0, &Message::Heartbeat(beat));
+        alarms.handle(0.0, 0, &Message::Heartbeat(heartbeat));
         Self { alarms }
     }
 

@@ -76,11 +76,11 @@ pub fn read_tlog(bytes: &[u8], captures: &[Capture]) -> Result<Record, String> {
             if from.component != 1 {
                 continue;
             }
-            if let Message::Heartbeat(beat) = &message {
-                if beat.is_armed() {
+            if let Message::Heartbeat(heartbeat) = &message {
+                if heartbeat.is_armed() {
                     t0_us.get_or_insert(at_us);
                 }
-                reading.heartbeat(*beat, milliseconds(at_us, t0_us.unwrap_or(at_us)));
+                reading.heartbeat(*heartbeat, milliseconds(at_us, t0_us.unwrap_or(at_us)));
             }
             if let Some(t0_us) = t0_us {
                 reading.take(milliseconds(at_us, t0_us), &message);
@@ -131,8 +131,8 @@ fn milliseconds(at_us: u64, t0_us: u64) -> f64 {
 }
 
 impl Reading {
-    fn heartbeat(&mut self, beat: Heartbeat, at_ms: f64) {
-        let was_armed = std::mem::replace(&mut self.armed, beat.is_armed());
+    fn heartbeat(&mut self, heartbeat: Heartbeat, at_ms: f64) {
+        let was_armed = std::mem::replace(&mut self.armed, heartbeat.is_armed());
         if self.armed {
             self.flown.since_s.get_or_insert(at_ms / 1000.0);
         }

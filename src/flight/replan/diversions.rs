@@ -88,7 +88,7 @@ fn begin<'a>(
         };
         let others = fleet.iter().map(|vehicle| vehicle.sysid);
         let others = others.filter(|id| *id != this.sysid).collect();
-        let vehicle = (observed.address, observed.beat);
+        let vehicle = (observed.address, observed.heartbeat);
         let mut diversion = Diversion::new(onward, vehicle, others, links.us(), clock.now());
         // A transfer may be over before the next position comes.
         let position = FlightMessage::Position(observed.position);

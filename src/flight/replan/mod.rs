@@ -270,7 +270,7 @@ impl<'a> Replanner<'a> {
         for (index, mission) in &self.plan.missions {
             let id = &self.plan.vehicle(*index).id;
             let observed = observation.vehicles.get(index);
-            let Some(observed) = observed.filter(|of| of.beat.is_armed()) else {
+            let Some(observed) = observed.filter(|of| of.heartbeat.is_armed()) else {
                 note(&self.left_out(id, observation.silent.contains(index)));
                 continue;
             };

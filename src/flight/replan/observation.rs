@@ -27,7 +27,7 @@ const BURST: usize = 1000;
 #[derive(Debug)]
 pub(super) struct ObservedVehicle {
     pub(super) address: Address,
-    pub(super) beat: Heartbeat,
+    pub(super) heartbeat: Heartbeat,
     pub(super) position: Position,
     /// Its positions since the command began, each with its time on the steady clock, milliseconds.
     pub(super) flown: Vec<(u64, Position)>,
@@ -56,7 +56,7 @@ pub(super) struct Observation {
 /// What is known of one vehicle so far.
 struct Known {
     reading: Reading,
-    beat: Option<(Address, Heartbeat)>,
+    heartbeat: Option<(Address, Heartbeat)>,
     position: Option<Position>,
     flown: Vec<(u64, Position)>,
     /// Its current item, and how many it says to hold.
@@ -77,7 +77,7 @@ impl Known {
     /// What it has not sent in time.
     fn missing(&self) -> &'static str {
         match self.reading.outcome() {
-            _ if self.beat.is_none() => "sends no heartbeat",
+            _ if self.heartbeat.is_none() => "sends no heartbeat",
             None => "does not send all of its mission, fence and rally points",
             Some(_) if self.position.is_none() => "does not say where it is",
             Some(_) => "does not say which item it flies to",
@@ -109,7 +109,7 @@ impl<'a> Observer<'a> {
             let sysid = plan.vehicle(*index).sysid;
             let known = Known {
                 reading: Reading::new(Some(sysid), links.us(), clock.now()).in_the_air(),
-                beat: None,
+                heartbeat: None,
                 position: None,
                 flown: Vec::new(),
                 current: None,
@@ -126,7 +126,7 @@ impl<'a> Observer<'a> {
             reading_s: 0.0,
         };
         let began_s = clock.seconds();
-        observer.listen_until(|of| of.reading.outcome().is_some() && of.beat.is_some())?;
+        observer.listen_until(|of| of.reading.outcome().is_some() && of.heartbeat.is_some())?;
         observer.reading_s = clock.seconds() - began_s;
         Ok(observer)
     }
@@ -146,14 +146,14 @@ impl<'a> Observer<'a> {
             reading_s: self.reading_s,
         };
         for (index, of) in self.vehicles.iter().filter(|(_, of)| !of.is_silent) {
-            let (Some((address, beat)), Some(position), Some((seq, total)), Some(Ok(onboard))) =
-                (of.beat, of.position, of.current, of.reading.outcome())
+            let (Some((address, heartbeat)), Some(position), Some((seq, total)), Some(Ok(onboard))) =
+                (of.heartbeat, of.position, of.current, of.reading.outcome())
             else {
                 return Err(self.incomplete(*index));
             };
             let observed = ObservedVehicle {
                 address,
-                beat,
+                heartbeat,
                 position,
                 flown: of.flown.clone(),
                 seq,
@@ -180,7 +180,7 @@ impl<'a> Observer<'a> {
         while self.vehicles.values().any(is_waited_for) {
             let now = self.clock.now();
             for of in self.vehicles.values_mut() {
-                of.is_silent |= of.beat.is_none() && now - of.moved > SILENT_MS;
+                of.is_silent |= of.heartbeat.is_none() && now - of.moved > SILENT_MS;
             }
             if self.vehicles.values().all(|of| of.is_silent) {
                 let message = "no vehicle is heard; nothing was sent";
@@ -211,7 +211,9 @@ impl<'a> Observer<'a> {
     /// Requests what an autopilot does not broadcast.
     fn request(&self) {
         for of in self.vehicles.values() {
-            let Some((target, _)) = of.beat else { continue };
+            let Some((target, _)) = of.heartbeat else {
+                continue;
+            };
             for id in REQUESTED {
                 let order = Command::new(Command::REQUEST_MESSAGE, [id]);
                 let message = FlightMessage::Command { target, order };
@@ -228,7 +230,7 @@ impl<'a> Observer<'a> {
                 self.links.send(vehicle.sysid, message);
             }
             if let Some(Err(failure)) = of.reading.outcome() {
-                if of.beat.is_none() {
+                if of.heartbeat.is_none() {
                     of.is_silent = true;
                     continue;
                 }
@@ -252,12 +254,14 @@ impl<'a> Observer<'a> {
             }
             // Other components of the vehicle may have positions of their own.
             let is_known = |(autopilot, _)| autopilot == from;
-            let may_be = from.component == 1 || of.beat.is_none_or(is_known);
+            let may_be = from.component == 1 || of.heartbeat.is_none_or(is_known);
             match message {
-                Message::Heartbeat(beat) if may_be && beat.autopilot != AUTOPILOT_INVALID => {
-                    of.beat = Some((from, *beat));
+                Message::Heartbeat(heartbeat)
+                    if may_be && heartbeat.autopilot != AUTOPILOT_INVALID =>
+                {
+                    of.heartbeat = Some((from, *heartbeat));
                 }
-                _ if !of.beat.is_some_and(is_known) => {}
+                _ if !of.heartbeat.is_some_and(is_known) => {}
                 Message::MissionCurrent { seq, total, .. } => {
                     of.move_on(now, of.current.is_none());
                     of.current = Some((*seq, *total));

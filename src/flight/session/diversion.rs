@@ -80,7 +80,7 @@ impl<'a> Diversion<'a> {
     #[must_use]
     pub fn new(
         onward: Onward<'a>,
-        (vehicle, beat): (Address, Heartbeat),
+        (vehicle, heartbeat): (Address, Heartbeat),
         others: Vec<u8>,
         us: Address,
         now: Time,
@@ -94,7 +94,7 @@ impl<'a> Diversion<'a> {
             others,
         };
         let mut session = Session::new(order, us, now).in_the_air();
-        session.handle(now, vehicle, &Message::Heartbeat(beat));
+        session.handle(now, vehicle, &Message::Heartbeat(heartbeat));
         Self {
             session,
             us,
@@ -118,7 +118,7 @@ impl<'a> Diversion<'a> {
             return;
         }
         match message {
-            Message::Heartbeat(beat) => self.mode = Some(beat.custom_mode),
+            Message::Heartbeat(heartbeat) => self.mode = Some(heartbeat.custom_mode),
             Message::Flight(FlightMessage::Position(position)) if position.is_known() => {
                 let [north, east, _] = position.velocity_cmps.map(|cmps| f64::from(cmps) / 100.0);
                 self.here = Some((position.place(), (east, north)));

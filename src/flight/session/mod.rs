@@ -214,8 +214,8 @@ impl<'a> Fleet<'a> {
         if now >= self.heartbeat_due {
             self.heartbeat_due = now + HEARTBEAT_MS;
             for vehicle in &self.vehicles {
-                let beat = Message::Heartbeat(Heartbeat::OURS);
-                self.outbox.push_back((vehicle.of.sysid, beat));
+                let heartbeat = Message::Heartbeat(Heartbeat::OURS);
+                self.outbox.push_back((vehicle.of.sysid, heartbeat));
             }
         }
         #[expect(

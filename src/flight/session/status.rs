@@ -47,7 +47,7 @@ impl Fleet<'_> {
     /// What a vehicle reports of itself; nothing of its plan.
     fn instruments(&self, index: usize, now: Time) -> Status {
         let vehicle = &self.vehicles[index];
-        let beat = vehicle.heartbeat_now();
+        let heartbeat = vehicle.heartbeat_now();
         let reported = self.alarms.as_ref().map(|alarms| alarms.reported(index));
         let (battery_percent, gps_fix) = reported.unwrap_or_default();
         let age_s = vehicle
@@ -61,8 +61,8 @@ impl Fleet<'_> {
             closest: None,
             lost_s: None,
             progress: 0.0,
-            mode: beat.map(|beat| modes::name(vehicle.of.mission, beat.custom_mode)),
-            is_armed: beat.is_some_and(|beat| beat.is_armed()),
+            mode: heartbeat.map(|heartbeat| modes::name(vehicle.of.mission, heartbeat.custom_mode)),
+            is_armed: heartbeat.is_some_and(|heartbeat| heartbeat.is_armed()),
             gps_fix,
             battery_percent,
             amsl_m: vehicle.latest.map(|(_, fix)| fix.amsl.0),

@@ -159,7 +159,7 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) vehicle: Option<(Address, Heartbeat)>,
     /// When anything was heard of the autopilot, and when its last heartbeat.
     pub(crate) heard: Time,
-    pub(crate) beat_at: Time,
+    pub(crate) heartbeat_at: Time,
     pub(crate) home: Option<Home>,
     /// The version of its firmware.
     version: Option<Version>,
@@ -269,7 +269,7 @@ impl<'a> FlightVehicle<'a> {
             stage,
             vehicle: None,
             heard: now,
-            beat_at: now,
+            heartbeat_at: now,
             home: None,
             version: None,
             settings: None,
@@ -318,14 +318,15 @@ impl<'a> FlightVehicle<'a> {
     /// heartbeats have another autopilot, or none.
     pub(crate) fn is_of_autopilot(&self, from: Address, message: &Message) -> bool {
         self.vehicle.is_some_and(|(autopilot, known)| {
-            let is_other = |beat: &Heartbeat| beat.autopilot != known.autopilot;
-            autopilot == from && !matches!(message, Message::Heartbeat(beat) if is_other(beat))
+            let is_other = |heartbeat: &Heartbeat| heartbeat.autopilot != known.autopilot;
+            autopilot == from
+                && !matches!(message, Message::Heartbeat(heartbeat) if is_other(heartbeat))
         })
     }
 
     /// The last heartbeat of its autopilot.
     pub(crate) fn heartbeat_now(&self) -> Option<Heartbeat> {
-        self.vehicle.map(|(_, beat)| beat)
+        self.vehicle.map(|(_, heartbeat)| heartbeat)
     }
 
     /// Whether it is in flight, and known where on it.

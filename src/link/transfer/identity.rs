@@ -181,11 +181,11 @@ mod tests {
 
     #[test]
     fn generic_is_no_mismatch_and_everything_else_is() {
-        let check = |beat| check(&beat, Autopilot::Px4, Airframe::Copter);
+        let check = |heartbeat| check(&heartbeat, Autopilot::Px4, Airframe::Copter);
         assert_eq!(check(heartbeat(0, 0, 0)), Ok(()));
         assert_eq!(check(heartbeat(2, 12, 0)), Ok(()));
         assert_eq!(check(heartbeat(2, 12, 128)), Err(Refusal::Armed));
-        let text = |beat| check(beat).expect_err("a mismatch").to_string();
+        let text = |heartbeat| check(heartbeat).expect_err("a mismatch").to_string();
         assert_eq!(
             text(heartbeat(2, 3, 0)),
             "the spec says PX4, the vehicle says ArduPilot"

@@ -11,11 +11,13 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::fit::{Fitter, Line, Warp};
+use super::judgement::{fine, found_among};
 use super::problem::Sampled;
 use super::seeds::seed_at;
+use super::swarms::swarms;
 use super::taut::along_lines;
 use super::tighten::{FieldCost, Tightener};
-use super::{Found, Run, fine, found_among, polished, search_classes, swarms};
+use super::{Found, Run, polished, search_classes};
 use crate::cost::CostTerms;
 use crate::optimize::SearchSeed;
 use crate::path::VehicleLimits;

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use super::corridor::stands;
 use super::fit::Line;
-use super::{Found, along, polish};
+use super::judgement::along;
+use super::{Found, polish};
 use crate::geodesy::EastNorth;
 use crate::path::VehicleLimits;
 use crate::plan::classes::overflights::{AWAY_M, has_overflights, overflight_lines};

@@ -5,9 +5,10 @@
 //! so far. A found line keeps its place in the plane while its spans are halved and its altitudes
 //! are solved for anew, as long as that pays.
 
+use super::Found;
 use super::fit::Line;
+use super::judgement::{JUDGED_ABOVE_M, JUDGED_SAMPLES, judged};
 use super::problem::UNDER_CEILING_M;
-use super::{Found, JUDGED_ABOVE_M, JUDGED_SAMPLES, judged};
 use crate::cost::Margins;
 use crate::geodesy::EastNorth;
 use crate::numeric::Basis;

@@ -1,7 +1,8 @@
 //! The algorithms as they are printed, on the paper's problem.
 
+use super::Run;
+use super::judgement::most_promising;
 use super::objective::spatial;
-use super::{Run, most_promising};
 use crate::optimize::{
     AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, MfoaParameters,
     PsoParameters, PublishedParameters, SearchSeeds, Step, minimise,

@@ -165,7 +165,7 @@ fn openair_is_written_no_smaller_below_the_sea() {
             "geometry": {"type": "Polygon", "coordinates": [[[35.4, 31.4], [35.5, 31.4], [35.5, 31.5], [35.4, 31.4]]]}}"#,
     );
     let written = write_as(Format::OpenAir, &deep.shapes);
-    assert_eq!(written.changed.len(), 1, "{:?}", written.changed);
+    assert_eq!(written.enlarged.len(), 1, "{:?}", written.enlarged);
     let again = shapes("a.txt", &written.text);
     assert_eq!(named(&again, "deep").floor, None);
     assert_eq!(named(&again, "deep").ceiling, Some(Height::Amsl(0.0)));

@@ -32,16 +32,16 @@ fn placemark(shape: &Shape, rewritten: &mut Rewritten) -> Option<String> {
         return None;
     }
     if shape.active != (None, None) {
-        rewritten.change(shape, "always active: KML has no times of zones");
+        rewritten.enlarge(shape, "always active: KML has no times of zones");
     }
     if shape.floor.is_some() {
-        rewritten.change(shape, "from the ground: KML has no floors");
+        rewritten.enlarge(shape, "from the ground: KML has no floors");
     }
     let (mode, height_m) = match shape.ceiling {
         Some(Height::Amsl(metres)) => ("absolute", Some(metres)),
         Some(Height::Agl(metres)) => ("relativeToGround", Some(metres)),
         Some(Height::FlightLevel(_)) => {
-            rewritten.change(shape, "at all heights: KML has no flight levels");
+            rewritten.enlarge(shape, "at all heights: KML has no flight levels");
             ("clampToGround", None)
         }
         None => ("clampToGround", None),

@@ -35,7 +35,7 @@ fn record(shape: &Shape, rewritten: &mut Rewritten) -> Option<String> {
     let mut record = format!("AC {class}\nAN {}\n", one_line(&shape.name));
     let is_below_sea = |of: &Height| matches!(of, Height::Amsl(metres) if *metres < 0.0);
     if shape.floor.iter().chain(&shape.ceiling).any(is_below_sea) {
-        rewritten.change(
+        rewritten.enlarge(
             shape,
             "from the ground, or up to the sea: OpenAir has no heights below it",
         );
@@ -48,7 +48,7 @@ fn record(shape: &Shape, rewritten: &mut Rewritten) -> Option<String> {
         .map_or("UNLIM".to_owned(), |top| limit(top, f64::ceil));
     record += &format!("AL {floor}\nAH {top}\n");
     if shape.active != (None, None) {
-        rewritten.change(
+        rewritten.enlarge(
             shape,
             "always active: OpenAir as it is written here has no times",
         );
@@ -60,7 +60,7 @@ fn record(shape: &Shape, rewritten: &mut Rewritten) -> Option<String> {
         }
         Geometry::Polygon { outer, holes } => {
             if !holes.is_empty() {
-                rewritten.change(shape, "without its holes: OpenAir has none");
+                rewritten.enlarge(shape, "without its holes: OpenAir has none");
             }
             for corner in outer {
                 record += &format!("DP {}\n", place(corner));

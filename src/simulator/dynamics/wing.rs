@@ -1,5 +1,5 @@
-//! A wing in the air: it goes where its nose points, turns by banking, and is carried by the
-//! wind.
+//! A wing (a plane, or a VTOL between its takeoff and landing) in the air: it goes where its nose
+//! points, turns by banking, and is carried by the wind.
 //!
 //! A point with an airspeed, a heading and a bank; its turns are coordinated, and its motor
 //! and rudders follow commands as assumed here, not as measured on an aircraft.

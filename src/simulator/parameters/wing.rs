@@ -1,4 +1,4 @@
-//! The parameters of a wing, and how it flies by them.
+//! The parameters of a wing (a plane, or a VTOL on its wing), and how it flies by them.
 
 use super::{Limits, Settings};
 use crate::simulator::profile::Profile;

@@ -23,7 +23,7 @@ const RUNS_SINCE_MS: u64 = 3_600_000;
 
 impl Vehicle {
     /// What is said once a second.
-    pub(crate) fn beat(&mut self, now: Time) {
+    pub(crate) fn heartbeat_is_due(&mut self, now: Time) {
         let system_status = match (self.profile, self.is_armed()) {
             (Profile::Generic, _) => 0,
             _ if self.is_booting(now) => STATE_BOOT,

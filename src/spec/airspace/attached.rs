@@ -29,11 +29,11 @@ pub struct AirspaceImport {
     /// Shapes that no vehicle can reach: beside the area, or above its ceiling.
     pub out_of_reach: usize,
     /// Those of them that would be in the area if latitude and longitude were exchanged.
-    pub exchanged: usize,
+    pub axes_swapped: usize,
     /// Shapes of a class that `only` does not name, or that `skip` names.
     pub left_out: usize,
     /// Shapes that forbid nothing.
-    pub open: usize,
+    pub unrestricted: usize,
     /// Lines and points, which enclose nothing.
     pub without_area: usize,
     /// Names of `skip` and classes of `only` that nothing in the file has, each with what was meant, if

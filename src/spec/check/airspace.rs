@@ -11,7 +11,7 @@ use super::super::airspace::{AirspaceImport, AttachedFile};
 use super::super::keys;
 use super::super::{Placement, Zone};
 use super::Checker;
-use super::map::{Map, exchanged};
+use super::map::{Map, with_axes_swapped};
 use super::zones::References;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame, flight_level};
 use crate::numeric::text::{is_hidden, meant};
@@ -79,7 +79,7 @@ impl Checker {
         };
         let mut import = AirspaceImport {
             file: keys.file.clone(),
-            open: collection.open,
+            unrestricted: collection.unrestricted,
             ..AirspaceImport::default()
         };
         import.unmatched = unmatched(keys, &collection);
@@ -98,7 +98,7 @@ impl Checker {
             }
             let buffer_m = keys.buffer_m.unwrap_or(0.0);
             let zone = zone(&shape, buffer_m, references, map);
-            let is_exchanged = || usize::from(is_exchanged(&shape.geometry, map));
+            let has_axes_swapped = || usize::from(has_axes_swapped(&shape.geometry, map));
             match zone.and_then(|zone| self.simple(zone, map)) {
                 Ok(mut zone) => {
                     zone.id = free_id(&shape.name, map);
@@ -109,7 +109,7 @@ impl Checker {
                 }
                 Err(Dropped::OutOfReach) => {
                     import.out_of_reach += 1;
-                    import.exchanged += is_exchanged();
+                    import.axes_swapped += has_axes_swapped();
                 }
                 Err(Dropped::WithoutArea) => import.without_area += 1,
                 Err(Dropped::Refused(why)) => refused.push((shape.name, why)),
@@ -282,10 +282,10 @@ fn placed(
 }
 
 /// Whether a shape would be in the area with its latitudes and longitudes exchanged.
-fn is_exchanged(geometry: &Geometry, map: &Map) -> bool {
+fn has_axes_swapped(geometry: &Geometry, map: &Map) -> bool {
     let (low, high) = (map.area.south_west, map.area.north_east);
     let is_inside = |place: &LatLon| {
-        exchanged(*place).is_some_and(|at| {
+        with_axes_swapped(*place).is_some_and(|at| {
             (low.lat_deg..=high.lat_deg).contains(&at.lat_deg)
                 && (low.lon_deg..=high.lon_deg).contains(&at.lon_deg)
         })

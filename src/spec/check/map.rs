@@ -253,7 +253,7 @@ impl Checker {
             place.lat_deg, place.lon_deg
         );
         let is_near = |place: LatLon| place.chord_m(origin) <= MAX_AWAY_M;
-        let hint = match exchanged(place).is_some_and(is_near) {
+        let hint = match with_axes_swapped(place).is_some_and(is_near) {
             true => ": are latitude and longitude exchanged?",
             false => "",
         };
@@ -285,7 +285,7 @@ impl Checker {
                     "is on the edge of the area",
                     format!("{allowed}, without the edges"),
                 )
-            } else if exchanged(place).is_some_and(|place| {
+            } else if with_axes_swapped(place).is_some_and(|place| {
                 across.contains(&place.lon_deg) && along.contains(&place.lat_deg)
             }) {
                 let allowed = format!("{allowed}: are latitude and longitude exchanged?");
@@ -361,7 +361,7 @@ struct Of<'a> {
 }
 
 /// A place with its latitude as longitude and the other way round.
-pub(super) fn exchanged(place: LatLon) -> Option<LatLon> {
+pub(super) fn with_axes_swapped(place: LatLon) -> Option<LatLon> {
     LatLon::new(place.lon_deg, place.lat_deg).ok()
 }
 

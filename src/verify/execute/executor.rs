@@ -2,7 +2,9 @@
 
 mod circle;
 mod ends;
+mod knots;
 mod motions;
+mod orders;
 mod payload;
 mod spline;
 mod takeoff;
@@ -10,18 +12,17 @@ mod takeoff;
 use nalgebra::Vector3;
 
 use crate::autopilot::Cornering;
-use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
+use crate::geodesy::PlanPoint;
 use crate::mission::{
-    Descent, Item, VehicleMission, acceptance_m, as_set, as_set_on_rotors, corner_accel_mps2,
-    first_speed_mps, frame, jerk_mps3, within_speeds_mps,
+    Descent, VehicleMission, acceptance_m, as_set, as_set_on_rotors, corner_accel_mps2,
+    first_speed_mps, jerk_mps3,
 };
-use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
+use crate::spec::{Autopilot, MissionSpec, Vehicle};
 use crate::world::{Departure, LowPlace, VehicleSites, World};
 
 use super::bent_map;
-use super::decode::{self, After, Orders, Step, Unknown};
-use super::flight::{EarlyTop, End, Flight, Hull, Last, Mark};
-use super::item::{self, Height, Order};
+use super::decode::{self, Orders, Unknown};
+use super::flight::{EarlyTop, End, Flight, Hull, Last};
 use super::legs::Knot;
 use super::trajectory::TrajectoryBuilder;
 use super::wing::altitude_lag::{self, Arrival};
@@ -31,22 +32,6 @@ use crate::verify::measure::segment::Phase;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
 pub(crate) const SAME_PLACE_M: f64 = 0.025;
-/// Places further from the origin than this are beyond the local frame.
-const REACH_M: f64 = 500_000.0;
-
-/// Why its parameters make the vehicle fly all of its mission otherwise than this verdict does, if they do.
-fn other_flight(mission: &VehicleMission) -> Option<String> {
-    let mut known = mission.facts().judged_with.iter().copied().flatten();
-    known.find_map(|(name, judged)| {
-        let held = mission
-            .params
-            .iter()
-            .find(|param| param.name == *name)?
-            .value;
-        let is_other = !judged.knows(f64::from(held));
-        is_other.then(|| format!("a flight with {name} {held} (judged: {judged})"))
-    })
-}
 
 /// Flies a mission from a home (its place, and the altitude the autopilot measures from).
 pub(crate) fn fly(
@@ -107,20 +92,6 @@ pub(crate) fn fly(
     flight
 }
 
-/// Between the posts of the terrain that `ArduPilot` follows, metres.
-fn posts_m(mission: &VehicleMission) -> f64 {
-    mission
-        .param_or_default_si("TERRAIN_SPACING")
-        .unwrap_or(0.0)
-}
-
-/// Whether a mission without a delay starts at `depart_s`, launched by an operator, and not at T0.
-/// A departure chosen from a window is in the mission only.
-pub(crate) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
-    let waits_elsewhere = autopilot == Autopilot::Px4 || vehicle.airframe.has_wing();
-    waits_elsewhere && vehicle.retiming.depart_s.is_none()
-}
-
 pub(crate) struct Pilot<'a> {
     pub(crate) vehicle: &'a Vehicle,
     /// The vehicle on its rotors.
@@ -176,18 +147,6 @@ pub(crate) struct Pilot<'a> {
     is_doubled: bool,
     /// The circle that it leaves, until it goes on from there.
     pub(crate) hull: Option<Hull>,
-}
-
-/// Why a vehicle does not take off that waits so long on the ground, seconds: it disarms itself before.
-fn disarms_after(mission: &VehicleMission, waits_s: f64) -> Option<String> {
-    let row = mission.facts().disarms_after()?;
-    let after_s = mission.param_or_default_si(row.name)?;
-    (after_s > 0.0 && waits_s > after_s).then(|| {
-        format!(
-            "it waits for {waits_s} s on the ground, and disarms itself after {after_s} s there ({}; 0 or below: never)",
-            row.name
-        )
-    })
 }
 
 impl Pilot<'_> {
@@ -276,267 +235,32 @@ impl Pilot<'_> {
         };
         result.err().or_else(|| orders.unread.clone())
     }
+}
 
-    fn obey(
-        &mut self,
-        step: &Step,
-        next: &After<'_>,
-        mission: &VehicleMission,
-    ) -> Result<(), Unknown> {
-        let row = step.row;
-        let unknown = |why: &str| Unknown::err(row, why);
-        self.accept_m = acceptance_m(mission, row);
-        if let (false, Order::Fly { height, .. } | Order::Stay { height, .. }) =
-            (self.airborne, step.order)
-            && !mission.facts().acceptance.needs_takeoff
-        {
-            self.lift_itself(row, height, mission)?;
-        }
-        let stops = self.vehicle.facts().stops;
-        if self.airborne && stops.before.contains(&mission.items[row - 1].command) {
-            self.stop()?;
-        }
-        match step.order {
-            Order::Nothing => {}
-            Order::Speed { .. } | Order::OwnSpeed if self.is_on_rotors(mission) => {}
-            Order::Speed { speed_mps } => {
-                self.speed_mps = Some(within_speeds_mps(mission, speed_mps));
-            }
-            Order::OwnSpeed => {
-                self.speed_mps = first_speed_mps(mission, self.vehicle.speed_mps);
-            }
-            Order::Wait { hold_s } if !self.airborne => {
-                let all_s = self.flight.delay_s.unwrap_or(0.0) + hold_s;
-                self.flight.delay_s = Some(all_s);
-                if let Some(after) = disarms_after(mission, all_s) {
-                    return unknown(&after);
-                }
-            }
-            Order::Wait { .. } if self.vehicle.airframe.has_wing() => {
-                return unknown("a wait in the air, on a wing");
-            }
-            Order::Wait { hold_s } => {
-                self.stop()?;
-                self.hold(row, hold_s);
-            }
-            Order::Takeoff { height, .. } if self.airborne => {
-                self.climb_again(row, height, mission.autopilot)?;
-            }
-            Order::Takeoff { at, height } if self.vehicle.airframe == Airframe::Plane => {
-                self.climb_out(row, at, height)?;
-            }
-            Order::Takeoff { at, height } => self.take_off(row, at, height, mission)?,
-            _ if !self.airborne => return unknown("no takeoff before it"),
-            _ => self.navigate(step, next, mission)?,
-        }
-        Ok(())
-    }
+/// Whether a mission without a delay starts at `depart_s`, launched by an operator, and not at T0.
+/// A departure chosen from a window is in the mission only.
+pub(crate) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
+    let waits_elsewhere = autopilot == Autopilot::Px4 || vehicle.airframe.has_wing();
+    waits_elsewhere && vehicle.retiming.depart_s.is_none()
+}
 
-    /// Whether a change of speed is for the rotors: a VTOL of PX4 is on them until its takeoff is over
-    /// (`Navigator::set_cruising_speed`).
-    fn is_on_rotors(&self, mission: &VehicleMission) -> bool {
-        let is_px4_vtol =
-            mission.autopilot == Autopilot::Px4 && self.vehicle.airframe == Airframe::Vtol;
-        is_px4_vtol && !self.airborne
-    }
+/// Why its parameters make the vehicle fly all of its mission otherwise than this verdict does, if they do.
+fn other_flight(mission: &VehicleMission) -> Option<String> {
+    let mut known = mission.facts().judged_with.iter().copied().flatten();
+    known.find_map(|(name, judged)| {
+        let held = mission
+            .params
+            .iter()
+            .find(|param| param.name == *name)?
+            .value;
+        let is_other = !judged.knows(f64::from(held));
+        is_other.then(|| format!("a flight with {name} {held} (judged: {judged})"))
+    })
+}
 
-    /// Obeys an order that moves a vehicle in the air.
-    fn navigate(
-        &mut self,
-        step: &Step,
-        next: &After<'_>,
-        mission: &VehicleMission,
-    ) -> Result<(), Unknown> {
-        let row = step.row;
-        match step.order {
-            Order::Nothing
-            | Order::Speed { .. }
-            | Order::OwnSpeed
-            | Order::OnWing
-            | Order::Wait { .. }
-            | Order::Takeoff { .. } => {}
-            Order::Stop => self.stop()?,
-            Order::Fly { at, height, hold_s } => {
-                self.turns_by_itself(row, &mission.items[row - 1])?;
-                self.head_for(row, self.or_here(at), height)?;
-                if let Some(hold_s) = hold_s {
-                    self.stop()?;
-                    self.hold(row, hold_s);
-                }
-            }
-            Order::Stay {
-                at,
-                height,
-                radius_m: Some(radius_m),
-            } => {
-                let at = self.or_here(at);
-                self.circle(row, at, height, radius_m)?;
-            }
-            Order::Stay { at, height, .. } => {
-                self.head_for(row, self.or_here(at), height)?;
-                self.finish(row, mission)?;
-            }
-            Order::Spline { at, height, hold_s } => {
-                self.spline((row, self.or_here(at), height), hold_s, (next, mission))?;
-            }
-            Order::Circle { at, height, circle } if self.vehicle.airframe.has_wing() => {
-                self.circle_a_while((row, self.or_here(at), height), circle, next)?;
-            }
-            Order::Circle { at, height, circle } => {
-                self.circle_on_rotors((row, self.or_here(at), height), circle, mission)?;
-            }
-            Order::Place { at, max_m } => {
-                self.place_payload(row, self.or_here(at), max_m, mission)?
-            }
-            Order::Land { at: Some(at) } if self.vehicle.airframe == Airframe::Plane => {
-                let item = &mission.items[row - 1];
-                let height = item::height(item, mission.autopilot, self.home.amsl);
-                let height = height.map_err(|why| Unknown { row, why })?;
-                self.glide(row, at, height)?;
-            }
-            Order::Land { at } => {
-                self.land(row, at, mission)?;
-            }
-            Order::Return => self.return_home(row, mission)?,
-        }
-        Ok(())
-    }
-
-    /// The altitude with which a copter flies to a place where it descends: the one that it has, above
-    /// the ground where the item has one above terrain (`ModeAuto::shift_alt_to_current_alt`).
-    fn present_height(&self, item: &Item) -> Height {
-        let follows = frame::canonical(item.frame) == frame::GLOBAL_TERRAIN_ALT;
-        Height::Keep {
-            follows: follows && !self.vehicle.airframe.has_wing(),
-        }
-    }
-
-    /// The place, or the present one.
-    fn or_here(&self, at: Option<LatLon>) -> LatLon {
-        at.unwrap_or_else(|| self.world.frame.from_plan(self.last().at))
-    }
-
-    /// Adds a leg to a place at a height.
-    fn head_for(&mut self, row: usize, place: LatLon, height: Height) -> Result<(), Unknown> {
-        let at = self.reach(row, place)?;
-        let (amsl_m, agl_m) = self.resolve(row, place, height)?;
-        let knot = self.knot(row, at, amsl_m, agl_m);
-        let changes_kind = self.last().agl_m.is_some() != agl_m.is_some();
-        if changes_kind && self.vehicle.facts().stops.between_altitude_kinds {
-            self.stop()?;
-        }
-        self.is_doubled = at.distance_m(self.last().at) <= SAME_PLACE_M;
-        if self.is_doubled && self.phase == Phase::Route && self.vehicle.airframe.has_wing() {
-            let why = "a second waypoint at the place of the one before: a wing can neither stop nor climb there";
-            return Unknown::err(row, why);
-        }
-        self.append(knot)?;
-        self.phase_in();
-        Ok(())
-    }
-
-    /// The first place after the takeoff is the start of the route.
-    pub(crate) fn phase_in(&mut self) {
-        if self.phase == Phase::Join {
-            self.phase = Phase::Route;
-        }
-    }
-
-    pub(crate) fn append(&mut self, knot: Knot) -> Result<(), Unknown> {
-        let last = self.last();
-        if knot.agl_m.is_none() && knot.phase != Phase::Finish {
-            self.flight.note_low(Mark {
-                point: knot.point(),
-                row: knot.row,
-                t_s: self.trajectory.t_s,
-            });
-        }
-        if knot.at.distance_m(last.at) > SAME_PLACE_M {
-            self.knots.push(knot);
-        } else if (knot.amsl_m - last.amsl_m).abs() > SAME_PLACE_M {
-            self.stop()?;
-            self.climb(knot.row, knot.amsl_m);
-            self.mark();
-        } else if knot.phase == Phase::Join || !self.vehicle.airframe.has_wing() {
-            // At the place of the takeoff the route begins; copters of both autopilots stop at a waypoint that is
-            // there twice.
-            self.stop()?;
-            self.mark();
-        }
-        Ok(())
-    }
-
-    /// Altitude above the sea, and above the ground if the item says so.
-    pub(crate) fn resolve(
-        &self,
-        row: usize,
-        place: LatLon,
-        height: Height,
-    ) -> Result<(f64, Option<f64>), Unknown> {
-        match height {
-            Height::Sea(Amsl(amsl_m)) => Ok((amsl_m, None)),
-            Height::Ground(Agl(agl_m)) => {
-                Ok((self.trajectory.ground_m(row, place)? + agl_m, Some(agl_m)))
-            }
-            Height::Keep { follows: false } => Ok((self.last().amsl_m, None)),
-            Height::Keep { follows: true } => {
-                let last = self.last();
-                let agl_m = match last.agl_m {
-                    Some(agl_m) => agl_m,
-                    None => {
-                        let below = self.world.frame.from_plan(last.at);
-                        last.amsl_m - self.trajectory.ground_m(row, below)?
-                    }
-                };
-                Ok((self.trajectory.ground_m(row, place)? + agl_m, Some(agl_m)))
-            }
-        }
-    }
-
-    /// Planning coordinates of a place that is near enough to have any.
-    pub(crate) fn reach(&self, row: usize, place: LatLon) -> Result<EastNorth, Unknown> {
-        let origin = self.world.frame.origin();
-        let away_m = (place.to_ecef(0.0) - origin.to_ecef(0.0)).norm();
-        if away_m <= REACH_M {
-            Ok(self.world.frame.to_plan(place))
-        } else {
-            let why = format!("a place {:.0} km from the origin", away_m / 1000.0);
-            Unknown::err(row, why)
-        }
-    }
-
-    pub(crate) fn knot(&self, row: usize, at: EastNorth, amsl_m: f64, agl_m: Option<f64>) -> Knot {
-        Knot {
-            row,
-            at,
-            amsl_m,
-            agl_m,
-            speed_mps: self.speed_mps.unwrap_or(self.vehicle.speed_mps),
-            speed_is_known: self.speed_mps.is_some(),
-            phase: self.phase,
-            slope_from_m: None,
-            accept_m: self.accept_m,
-        }
-    }
-
-    pub(crate) fn last(&self) -> Knot {
-        self.knots
-            .last()
-            .copied()
-            .unwrap_or_else(|| self.knot(0, self.home.at, self.home.amsl.0, None))
-    }
-
-    pub(crate) fn here(&self) -> PlanPoint {
-        self.last().point()
-    }
-
-    /// Notes where the vehicle is as a point of the route.
-    pub(crate) fn mark(&mut self) {
-        let last = self.last();
-        self.flight.route.push(Mark {
-            point: last.point(),
-            row: last.row,
-            t_s: self.trajectory.t_s,
-        });
-    }
+/// Between the posts of the terrain that `ArduPilot` follows, metres.
+fn posts_m(mission: &VehicleMission) -> f64 {
+    mission
+        .param_or_default_si("TERRAIN_SPACING")
+        .unwrap_or(0.0)
 }

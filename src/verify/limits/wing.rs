@@ -1,4 +1,4 @@
-//! What the spec says of a wing: the course of its takeoff, its glide, its circle.
+//! What the spec says of a wing (a plane or VTOL): the course of its takeoff, its glide, its circle.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! How high and how fast a wing flies that no spec describes: at its mission, by its parameters.
+//! How high and how fast a wing (a plane or VTOL) flies that no spec describes: at its mission, by its parameters.
 
 use super::assumed::amsl;
 use super::rates::Rates;

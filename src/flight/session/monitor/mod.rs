@@ -10,7 +10,7 @@ use crate::spec::AlarmKind;
 /// A vehicle that was silent for so long is lost: seconds of flight, and of the wall's clock.
 const LOST_FLIGHT_S: f64 = 5.0;
 /// One that is heard without a heartbeat for so long, as well, seconds of flight: some of them may be lost.
-const NO_BEAT_S: f64 = 10.0;
+const NO_HEARTBEAT_S: f64 = 10.0;
 const LOST_WALL_MS: f64 = 2500.0;
 /// A vehicle that could not be started at its departure, because this program was stopped, is not started
 /// later than the times between vehicles allow and by more than this: seconds of flight, and of the wall's
@@ -159,8 +159,8 @@ pub(in crate::flight::session) fn silence_s(
         (silent_s > max_s && seconds(silent_ms) * 1000.0 > LOST_WALL_MS).then_some(silent_s)
     };
     let is_watched = vehicle.is_watched();
-    let beats = || is_long(vehicle.beat_at, NO_BEAT_S).filter(|_| is_watched);
-    is_long(vehicle.heard, LOST_FLIGHT_S).or_else(beats)
+    let heartbeats = || is_long(vehicle.heartbeat_at, NO_HEARTBEAT_S).filter(|_| is_watched);
+    is_long(vehicle.heard, LOST_FLIGHT_S).or_else(heartbeats)
 }
 
 #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]

@@ -14,7 +14,7 @@ const DISARMING_MS: u64 = 20_000;
 /// Between two tries, milliseconds.
 const AGAIN_MS: u64 = 1000;
 /// A heartbeat may have been under way when the command was answered: this many in a row count.
-pub(super) const BEATS: u8 = 2;
+pub(super) const HEARTBEATS: u8 = 2;
 /// A heartbeat is fresh for this long, milliseconds.
 const FRESH_MS: f64 = 2000.0;
 /// A clock that goes back by more was started again, milliseconds.
@@ -94,7 +94,7 @@ impl FlightVehicle<'_> {
     /// Whether its last heartbeat shows it armed, and is fresh.
     pub(in crate::flight) fn is_armed_now(&self, now: Time, speedup: f64) -> bool {
         #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
-        let age_ms = (now - self.beat_at) as f64 * speedup.min(1.0);
+        let age_ms = (now - self.heartbeat_at) as f64 * speedup.min(1.0);
         matches!(self.stage, Stage::Armed) && age_ms <= FRESH_MS
     }
 
@@ -242,8 +242,8 @@ impl FlightVehicle<'_> {
     }
 
     /// What a heartbeat shows of the motors on the ground.
-    pub(super) fn heed_motors(&mut self, beat: Heartbeat, flight_ms: f64, has_begun: bool) {
-        let is_armed = beat.is_armed();
+    pub(super) fn heed_motors(&mut self, heartbeat: Heartbeat, flight_ms: f64, has_begun: bool) {
+        let is_armed = heartbeat.is_armed();
         if !is_armed {
             let own_ms = self.own_ms(flight_ms);
             self.seen_disarmed = Some(SeenDisarmed { flight_ms, own_ms });
@@ -262,7 +262,7 @@ impl FlightVehicle<'_> {
                 arming.unarmed += 1;
                 if is_armed {
                     self.stage = Stage::Armed;
-                } else if arming.unarmed >= BEATS {
+                } else if arming.unarmed >= HEARTBEATS {
                     self.retry_arming("accepted the command to arm, and is not armed");
                 }
             }
@@ -283,7 +283,7 @@ impl FlightVehicle<'_> {
                     return;
                 }
                 disarming.unarmed += 1;
-                if disarming.unarmed >= BEATS {
+                if disarming.unarmed >= HEARTBEATS {
                     let end = disarming.end.take();
                     self.news.push_back("is disarmed".to_owned());
                     self.finish_disarming(end);
@@ -347,7 +347,9 @@ impl FlightVehicle<'_> {
         let Stage::Disarming(disarming) = &mut self.stage else {
             return;
         };
-        let is_armed = self.vehicle.is_some_and(|(_, beat)| beat.is_armed());
+        let is_armed = self
+            .vehicle
+            .is_some_and(|(_, heartbeat)| heartbeat.is_armed());
         let (id, refusal) = (self.of.vehicle, disarming.refusal.take());
         let refusal = refusal.unwrap_or_else(|| "its heartbeat shows it".to_owned());
         let silence = "nothing was heard of it since it was ordered to disarm";
@@ -380,7 +382,7 @@ impl FlightVehicle<'_> {
     pub(in crate::flight) fn postpone(&mut self, now: Time, ms: u64) {
         self.now = now;
         self.heard = (self.heard + ms).min(self.now);
-        self.beat_at = (self.beat_at + ms).min(self.now);
+        self.heartbeat_at = (self.heartbeat_at + ms).min(self.now);
         if let Some(arming) = &mut self.arming {
             arming.until = arming.until + ms;
         }

@@ -112,7 +112,9 @@ impl FlightVehicle<'_> {
     /// Parameters are set of a vehicle only that stands disarmed at its home, and as long as it does: else it is
     /// refused.
     fn may_be_set(&mut self, until: Time) -> bool {
-        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let is_armed = self
+            .heartbeat_now()
+            .is_some_and(|heartbeat| heartbeat.is_armed());
         let mut problems = Vec::new();
         if is_armed {
             problems.push("it is armed: its parameters are not set".to_owned());
@@ -192,7 +194,10 @@ impl FlightVehicle<'_> {
         }
         soft.extend(self.place_problems());
         soft.extend(self.kind_problem());
-        if self.vehicle.is_some_and(|(_, beat)| beat.is_armed()) {
+        if self
+            .vehicle
+            .is_some_and(|(_, heartbeat)| heartbeat.is_armed())
+        {
             hard.push("it is armed".to_owned());
         }
         if self.force {
@@ -237,8 +242,8 @@ impl FlightVehicle<'_> {
 
     /// That its heartbeat is of another kind of vehicle than planned.
     fn kind_problem(&self) -> Option<String> {
-        let (mission, beat) = (self.of.mission, self.heartbeat_now()?);
-        let refused = check_kind(&beat, mission.autopilot, mission.airframe).err()?;
+        let (mission, heartbeat) = (self.of.mission, self.heartbeat_now()?);
+        let refused = check_kind(&heartbeat, mission.autopilot, mission.airframe).err()?;
         Some(refused.to_string())
     }
 
@@ -269,7 +274,9 @@ impl FlightVehicle<'_> {
     /// wrong with its battery.
     pub(in crate::flight) fn changed_since_checked(&self, battery: Option<String>) -> Vec<String> {
         let mut problems = Vec::new();
-        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let is_armed = self
+            .heartbeat_now()
+            .is_some_and(|heartbeat| heartbeat.is_armed());
         if is_armed && matches!(self.stage, Stage::Ready) {
             problems.push("it was armed after it was checked, and not from here".to_owned());
         }

@@ -1,6 +1,6 @@
 //! How a flight comes to its end: on the ground, or where it stays in the air.
 
-use super::arming::BEATS;
+use super::arming::HEARTBEATS;
 use super::height::Height;
 use super::{FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
@@ -70,7 +70,7 @@ impl FlightVehicle<'_> {
                 self.add_fix(fix);
             }
         }
-        self.motors.stand >= BEATS
+        self.motors.stand >= HEARTBEATS
     }
 
     /// Takes a position into the record of its flight, unless its motors may stand by then.
@@ -137,7 +137,9 @@ impl FlightVehicle<'_> {
 
     /// Its time is over: in the air it is left to itself, on the ground its motors are stopped.
     pub(in crate::flight) fn give_up(&mut self, why: String, is_lost: bool) {
-        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let is_armed = self
+            .heartbeat_now()
+            .is_some_and(|heartbeat| heartbeat.is_armed());
         let was_started = matches!(self.stage, Stage::Armed | Stage::Starting | Stage::Flying);
         let is_down = !self.airborne || self.is_down();
         if was_started && is_armed && is_down && !is_lost {
@@ -227,9 +229,11 @@ impl FlightVehicle<'_> {
     /// Whether it stays at the end of its mission, or where it was ordered to.
     pub(in crate::flight) fn check_ending(&mut self, t_s: f64) {
         let Some((_, fix)) = self.latest else { return };
-        let is_silent = self.now - self.beat_at > SILENT_MS;
+        let is_silent = self.now - self.heartbeat_at > SILENT_MS;
         if matches!(self.stage, Stage::Flying) && self.motors.stand > 0 && is_silent {
-            let mode = self.heartbeat_now().map_or(0, |beat| beat.custom_mode);
+            let mode = self
+                .heartbeat_now()
+                .map_or(0, |heartbeat| heartbeat.custom_mode);
             return self.stopped(mode);
         }
         if !matches!(self.stage, Stage::Flying) || !self.airborne {

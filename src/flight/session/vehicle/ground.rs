@@ -1,6 +1,6 @@
 //! Whether a vehicle is on the ground or in the air: by its own word, else by its height and how it moves.
 
-use super::arming::BEATS;
+use super::arming::HEARTBEATS;
 use super::ending::{HIGH_M, Motors};
 use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
@@ -38,7 +38,9 @@ impl FlightVehicle<'_> {
 
     /// Takes in where it stands while its motors do.
     fn heed_standing(&mut self, position: &Position) {
-        let is_safe = self.heartbeat_now().is_some_and(|beat| !beat.is_armed());
+        let is_safe = self
+            .heartbeat_now()
+            .is_some_and(|heartbeat| !heartbeat.is_armed());
         let above_m = position.above_home_m();
         let is_low = self.motors.agl_m.unwrap_or(above_m).abs() <= HIGH_M;
         let rests = is_low && position.ground_speed_mps() <= RESTS_MPS;
@@ -55,7 +57,9 @@ impl FlightVehicle<'_> {
     /// It says that it is in the air, or which item it has reached: where its height is not known that shows its takeoff.
     pub(super) fn heed_word(&mut self, reached: Option<usize>) {
         let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
-        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let is_armed = self
+            .heartbeat_now()
+            .is_some_and(|heartbeat| heartbeat.is_armed());
         if !flies || !is_armed || self.airborne || self.is_positioned() {
             return;
         }
@@ -72,7 +76,7 @@ impl FlightVehicle<'_> {
 
     /// It was taken for one on the ground, and flies: it is watched again.
     pub(super) fn flies_on(&mut self) {
-        if !self.motors.ended || self.motors.run < BEATS || !self.motors.height.is_up {
+        if !self.motors.ended || self.motors.run < HEARTBEATS || !self.motors.height.is_up {
             return;
         }
         self.news

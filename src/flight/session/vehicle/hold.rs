@@ -84,7 +84,7 @@ impl HoldWatch {
 impl FlightVehicle<'_> {
     /// Whether it holds as ordered, and still does: somebody else may take it over.
     pub(super) fn check_hold(&mut self, t_s: f64, fix: Fix) {
-        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let mode = self.vehicle.map(|(_, heartbeat)| heartbeat.custom_mode);
         let in_mode = mode.is_some_and(|mode| modes::is_hold(self.of.mission, mode));
         let since_s = self.hold.in_mode_s.unwrap_or(fix.t_s);
         self.hold.in_mode_s = in_mode.then_some(since_s);
@@ -124,7 +124,7 @@ impl FlightVehicle<'_> {
     /// vehicle itself.
     fn heed_left(&mut self, what: &str, in_mode: bool) {
         let has_left = self.hold.was_in_mode && !in_mode && !self.in_mission;
-        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let mode = self.vehicle.map(|(_, heartbeat)| heartbeat.custom_mode);
         if has_left && !self.hold.has_left {
             self.hold.left_order = mode.map(|mode| {
                 let name = modes::name(self.of.mission, mode);
@@ -212,7 +212,7 @@ impl FlightVehicle<'_> {
 
     /// Whether its mode shows that it lands, or returns, as ordered: until then the order is repeated.
     pub(super) fn check_landing_or_return(&mut self, t_s: f64, fix: Fix) {
-        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let mode = self.vehicle.map(|(_, heartbeat)| heartbeat.custom_mode);
         let mission = self.of.mission;
         let lands = mode.is_some_and(|mode| modes::is_land(mission, mode));
         let returns = mode.is_some_and(|mode| modes::is_return(mission, mode));

@@ -58,10 +58,10 @@ impl FlightVehicle<'_> {
         if let Message::TextChunk(chunk) = message {
             self.texts.chunks.take(now, from, chunk);
         }
-        if let Message::Heartbeat(beat) = message
-            && self.is_autopilot(from, *beat)
+        if let Message::Heartbeat(heartbeat) = message
+            && self.is_autopilot(from, *heartbeat)
         {
-            self.vehicle = Some((from, *beat));
+            self.vehicle = Some((from, *heartbeat));
         }
         if !self.is_of_autopilot(from, message) {
             if let Message::StatusText { severity, text } = message
@@ -85,11 +85,11 @@ impl FlightVehicle<'_> {
     ) {
         let t_s = self.sent_s(flight_ms, t0_ms);
         match message {
-            Message::Heartbeat(beat) => {
-                self.beat_at = now;
-                self.heed_motors(*beat, flight_ms, t0_ms.is_some());
-                self.heartbeat(*beat, t_s);
-                if beat.is_armed() && matches!(self.stage, Stage::Ended) && t0_ms.is_some() {
+            Message::Heartbeat(heartbeat) => {
+                self.heartbeat_at = now;
+                self.heed_motors(*heartbeat, flight_ms, t0_ms.is_some());
+                self.heartbeat(*heartbeat, t_s);
+                if heartbeat.is_armed() && matches!(self.stage, Stage::Ended) && t0_ms.is_some() {
                     self.flies_on();
                 }
             }
@@ -146,9 +146,9 @@ impl FlightVehicle<'_> {
     }
 
     /// Whether a heartbeat is of the autopilot, and not of another component of the vehicle.
-    fn is_autopilot(&self, from: Address, beat: Heartbeat) -> bool {
+    fn is_autopilot(&self, from: Address, heartbeat: Heartbeat) -> bool {
         let is_same = |(autopilot, _)| autopilot == from || from.component == 1;
-        beat.autopilot != AUTOPILOT_INVALID && self.vehicle.is_none_or(is_same)
+        heartbeat.autopilot != AUTOPILOT_INVALID && self.vehicle.is_none_or(is_same)
     }
 
     fn flight_message(
@@ -356,15 +356,15 @@ impl FlightVehicle<'_> {
         up_m > UP_M || home_m > AWAY_M
     }
 
-    fn heartbeat(&mut self, beat: Heartbeat, t_s: f64) {
+    fn heartbeat(&mut self, heartbeat: Heartbeat, t_s: f64) {
         let was = self.in_mission;
         // PX4 goes back to its last mode when its motors stop.
-        if beat.is_armed() || !matches!(self.stage, Stage::Flying) {
-            self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
+        if heartbeat.is_armed() || !matches!(self.stage, Stage::Flying) {
+            self.in_mission = modes::is_mission(self.of.mission, heartbeat.custom_mode);
         }
-        let has_stopped = self.has_stopped(beat.is_armed(), t_s);
+        let has_stopped = self.has_stopped(heartbeat.is_armed(), t_s);
         match self.stage {
-            Stage::Flying if has_stopped => self.stopped(beat.custom_mode),
+            Stage::Flying if has_stopped => self.stopped(heartbeat.custom_mode),
             Stage::Flying if was && !self.in_mission && self.instruction.is_none() => {
                 // The alarm says by whom.
                 self.left = true;

@@ -85,7 +85,9 @@ impl FlightVehicle<'_> {
     pub(crate) fn disobeyed(&mut self, what: &str) {
         self.pending = None;
         self.orders.clear();
-        let is_armed = self.vehicle.is_some_and(|(_, beat)| beat.is_armed());
+        let is_armed = self
+            .vehicle
+            .is_some_and(|(_, heartbeat)| heartbeat.is_armed());
         match self.stage {
             Stage::Arming => self.retry_arming(what),
             Stage::Disarming(_) => self.refuse_to_disarm(what),

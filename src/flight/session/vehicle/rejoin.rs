@@ -1,7 +1,7 @@
 //! A vehicle whose flight is taken over from its record: by its heartbeat and a position of now it
 //! flies on, has landed meanwhile, or never took off.
 
-use super::arming::BEATS;
+use super::arming::HEARTBEATS;
 use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
 use crate::flight::itinerary::progress::Progress;
 use crate::flight::launch::parameters::SettingsCheck;
@@ -65,7 +65,9 @@ impl FlightVehicle<'_> {
 
     /// Whether it is in the air at the end, and a heartbeat shows it.
     pub(in crate::flight::session) fn is_left_up(&self) -> bool {
-        let is_armed = self.heartbeat_now().is_some_and(|beat| beat.is_armed());
+        let is_armed = self
+            .heartbeat_now()
+            .is_some_and(|heartbeat| heartbeat.is_armed());
         let is_failed = matches!(self.flown.end, End::Failed(_));
         matches!(self.stage, Stage::Ended)
             && is_failed
@@ -76,7 +78,9 @@ impl FlightVehicle<'_> {
 
     /// Whether its flight is over and its motors were seen to stand.
     pub(in crate::flight::session) fn is_known_down(&self) -> bool {
-        let is_safe = self.heartbeat_now().is_some_and(|beat| !beat.is_armed());
+        let is_safe = self
+            .heartbeat_now()
+            .is_some_and(|heartbeat| !heartbeat.is_armed());
         let is_over = matches!(self.stage, Stage::Ended) && self.flown.end != End::NotFlown;
         is_over && self.still_armed.is_none() && (self.motors.ended || is_safe)
     }
@@ -87,13 +91,13 @@ impl FlightVehicle<'_> {
             return;
         };
         let is_placed = self.flown.fixes.len() > known;
-        let runs = self.motors.run >= BEATS;
-        let Some((_, beat)) = self.vehicle.filter(|_| is_placed || runs) else {
+        let runs = self.motors.run >= HEARTBEATS;
+        let Some((_, heartbeat)) = self.vehicle.filter(|_| is_placed || runs) else {
             return;
         };
-        match (beat.is_armed(), self.airborne) {
+        match (heartbeat.is_armed(), self.airborne) {
             (true, is_up) if is_up || self.in_mission || !is_placed => {
-                self.rejoin_in_the_air(beat.custom_mode);
+                self.rejoin_in_the_air(heartbeat.custom_mode);
                 if let Some(instruction) = ordered {
                     self.instruct(instruction);
                 }

@@ -100,9 +100,9 @@ impl Reading {
 
     /// How many items are requested at once.
     pub(super) fn window(&self) -> usize {
-        let beat = self.vehicle.map(|(_, beat)| beat);
-        let beat = beat.filter(|beat| beat.autopilot != AUTOPILOT_GENERIC);
-        let autopilot = beat.and_then(|beat| Autopilot::of_mavlink(beat.autopilot));
+        let heartbeat = self.vehicle.map(|(_, heartbeat)| heartbeat);
+        let heartbeat = heartbeat.filter(|heartbeat| heartbeat.autopilot != AUTOPILOT_GENERIC);
+        let autopilot = heartbeat.and_then(|heartbeat| Autopilot::of_mavlink(heartbeat.autopilot));
         let is_any = autopilot.is_some_and(|of| of.conventions().gives_any_order);
         if is_any { WINDOW } else { 1 }
     }

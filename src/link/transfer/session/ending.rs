@@ -11,10 +11,10 @@ use crate::link::transfer::state_machine::Task;
 
 impl Session<'_> {
     fn description(&self) -> String {
-        let Some((_, beat)) = self.vehicle else {
+        let Some((_, heartbeat)) = self.vehicle else {
             return String::new();
         };
-        let description = identity::describe(&beat);
+        let description = identity::describe(&heartbeat);
         match self.version {
             Version::One => format!("{description}, MAVLink 1: fence and rally cannot be asked"),
             Version::Two => description,

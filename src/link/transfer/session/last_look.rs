@@ -97,7 +97,7 @@ impl Session<'_> {
     /// The reading of a list, several items at once where the autopilot allows it.
     pub(super) fn download(&self, route: Route, now: Time) -> Download {
         let conventions = self.expected().autopilot.conventions();
-        let is_known = |(_, beat): (_, Heartbeat)| beat.autopilot != AUTOPILOT_GENERIC;
+        let is_known = |(_, heartbeat): (_, Heartbeat)| heartbeat.autopilot != AUTOPILOT_GENERIC;
         let is_any = self.vehicle.is_some_and(is_known) && conventions.gives_any_order;
         let window = if is_any { WINDOW } else { 1 };
         Download::new(route, self.deadline, now).with_window(window)

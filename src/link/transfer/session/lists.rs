@@ -58,7 +58,9 @@ impl<'a> Session<'a> {
             // Several times the re-request period of the vehicle (1 s, 250 ms, MAVSDK
             // 500 ms): a longer silence means that it has given up or lost us.
             let (silence_ms, gap_ms) = match (self.expected().autopilot, self.vehicle) {
-                (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => (4000, 800),
+                (_, Some((_, heartbeat))) if heartbeat.autopilot == AUTOPILOT_GENERIC => {
+                    (4000, 800)
+                }
                 (autopilot, _) => (autopilot.conventions().silence_ms, 0),
             };
             let rows = self.expected().rows(route.list);

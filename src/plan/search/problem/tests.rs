@@ -69,7 +69,7 @@ fn costs_with_their_parts_are_the_same_costs_and_whole_paths_have_one_part() {
                 row.copy_from_slice(&rows[number * dimension..][..dimension]);
             };
             let mut made = vec![0.0; rows.len()];
-            let (again, parts) = other.evaluate_made(&mut made, &mut [0, 1], make, true);
+            let (again, parts) = other.evaluate_generated(&mut made, &mut [0, 1], make, true);
             assert_eq!(made, rows);
             assert_eq!(costs, again);
             assert_eq!((one.spent(), other.spent()), (2, 2));

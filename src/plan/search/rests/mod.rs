@@ -8,11 +8,12 @@ mod zigzag;
 
 use rayon::prelude::*;
 
+use super::Found;
 use super::corridor::passings;
 use super::fit::Line;
+use super::judgement::along;
 use super::polish::is_for_polish;
 use super::taut::finely;
-use super::{Found, along};
 use crate::cost::Margins;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::path::VehicleLimits;

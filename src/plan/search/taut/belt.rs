@@ -3,64 +3,28 @@
 //! A spline whose control points lie evenly on an arc is that arc, a little smaller. So the rounded
 //! line is a belt around circles, one at each corner, which the spline touches there.
 
-use std::f64::consts::TAU;
+mod straight_leg;
+mod turn_circle;
 
-use nalgebra::{Rotation2, Vector2};
+use nalgebra::Vector2;
 
+use self::straight_leg::leg;
+use self::turn_circle::Circle;
 use crate::geodesy::EastNorth;
-use crate::numeric::as_f64;
 use crate::plan::classes::taut_line::Bend;
 
-/// Greatest turn at one control point, radians.
-const TURN_RAD: f64 = 0.45;
-/// A wider turn than need be at a corner may lengthen the line by this, metres.
-const LONGER_M: f64 = 0.05;
-/// A wider turn takes no more than this share of the shorter leg: control points beside it are as far apart as its own.
-const LEG_SHARE: f64 = 0.07;
 /// Distance of control points at the ends, as a share of that on straight legs: there a path comes
 /// down to where it is cheap, or up from it.
 const END_SHARE: f64 = 1.0 / 16.0;
-/// Rounds in which the line around the circles is drawn taut, and the greatest step of a centre for each unit of the
-/// difference of courses, as a share of the radius or the shorter leg.
+/// Rounds in which the line around the circles is drawn taut.
 const ROUNDS: usize = 60;
-const STEP: f64 = 0.25;
 /// In the first rounds no circle is left out.
 const FIRST_ROUNDS: usize = 5;
 /// How far apart circles are that the line crosses between, as a share of the least, and rounds in which they are parted.
 const PARTED: f64 = 1.001;
 const PARTINGS: usize = 100;
-/// Steps behind an arc that are as long as those on it, before they grow.
-const NEAR_STEPS: usize = 3;
-/// The first step behind an arc is 0.85 to 1.7 times as long as those on it: with others the spline turns tighter.
-const LONGER_STEP: f64 = 0.3;
-/// Smaller turns are none, radians.
-const STRAIGHT_RAD: f64 = 1e-6;
 
 type Vector = Vector2<f64>;
-
-/// The circle around which a line turns at a corner; at an end of the line it is a point.
-#[derive(Clone, Copy, Debug)]
-struct Circle {
-    /// What it bends around: a place, and the distance that it keeps from it.
-    around: (Vector, f64),
-    /// Positive where the line turns left.
-    side: f64,
-    /// Circles that its turn is nearest to; 0 where it turns the shorter way.
-    circles: f64,
-    /// Least radius of the turn.
-    radius_m: f64,
-    /// Greatest step of its centre for each unit of the difference of courses, metres.
-    step_m: f64,
-    /// How far from the centre the spline passes.
-    touches_m: f64,
-    center: Vector,
-    /// Distance of the legs from the centre, positive where the line turns left.
-    legs_m: f64,
-    /// Control points, their distance from the centre, and the turn at each.
-    points: usize,
-    points_m: f64,
-    each_rad: f64,
-}
 
 /// The free control points of a spline along a line that turns no tighter than a radius at each bend, and on
 /// straight legs has a control point at least every `span_m`; none where the corners are too near to
@@ -99,38 +63,6 @@ pub(super) fn controls(line: &[Bend], radii_m: &[f64], span_m: f64) -> Option<Ve
         free.extend(end);
     }
     Some(free.into_iter().map(east_north).collect())
-}
-
-pub(super) fn east_north(at: Vector) -> EastNorth {
-    EastNorth {
-        east_m: at.x,
-        north_m: at.y,
-    }
-}
-
-pub(super) fn vector(at: EastNorth) -> Vector {
-    Vector::new(at.east_m, at.north_m)
-}
-
-fn before(courses: &[Vector], index: usize) -> Vector {
-    courses[index.saturating_sub(1)]
-}
-
-fn after(courses: &[Vector], index: usize) -> Vector {
-    courses[(index + 1).min(courses.len() - 1)]
-}
-
-/// The radius of a turn: where it is slight a wider one costs nothing.
-fn wide_m(into: Vector, out: Vector, radius_m: f64) -> f64 {
-    let turn_rad = turn_rad(into, out).abs().max(STRAIGHT_RAD);
-    let by_length_m = 24.0 * LONGER_M / turn_rad.powi(3);
-    let by_leg_m =
-        LEG_SHARE * into.norm().min(out.norm()) / (0.5 * turn_rad).tan().max(STRAIGHT_RAD);
-    by_length_m.min(by_leg_m).max(radius_m)
-}
-
-pub(super) fn turn_rad(into: Vector, out: Vector) -> f64 {
-    into.perp(&out).atan2(into.dot(&out))
 }
 
 /// Moves circles around their places until the line around them is as short as it can be, and leaves out those that it
@@ -206,185 +138,33 @@ fn courses(circles: &[Circle]) -> Option<Vec<Vector>> {
     circles.windows(2).map(course).collect()
 }
 
-/// Control points on a straight leg, near those at its ends as near as these are to each other, and
-/// wider apart between them.
-fn leg((begin, first_m): (Vector, f64), (end, last_m): (Vector, f64), span_m: f64) -> Vec<Vector> {
-    let length_m = (end - begin).norm();
-    let (mut from_m, mut to_m) = (vec![0.0], vec![length_m]);
-    let (mut first_m, mut last_m) = (first_m.min(span_m), last_m.min(span_m));
-    let (mut begun_m, mut left_m) = (0.0, length_m);
-    let mut counts = [0, 0];
-    while left_m - begun_m > first_m.min(last_m) * 2.0 && (first_m < span_m || last_m < span_m) {
-        let (is_first, is_last) = (first_m <= last_m, last_m <= first_m);
-        if is_first {
-            begun_m += first_m;
-            from_m.push(begun_m);
-            first_m = grown_m(first_m, &mut counts[0], span_m);
-        }
-        if is_last {
-            if left_m - begun_m > last_m {
-                left_m -= last_m;
-                to_m.push(left_m);
-            }
-            last_m = grown_m(last_m, &mut counts[1], span_m);
-        }
-    }
-    let gap_m = left_m - begun_m;
-    let pieces = gap_m / first_m.max(last_m).max(1e-3);
-    // Points nearer to each other would turn tighter.
-    let pieces = (if first_m < span_m {
-        (pieces + LONGER_STEP).floor()
-    } else {
-        pieces.ceil()
-    })
-    .clamp(1.0, 1000.0);
-    let mut all_m = from_m;
-    let mut piece = 1.0;
-    while piece < pieces {
-        all_m.push(begun_m + gap_m * piece / pieces);
-        piece += 1.0;
-    }
-    all_m.extend(to_m.into_iter().rev());
-    let inner = all_m.len().saturating_sub(1);
-    let along = (end - begin) / length_m.max(1e-9);
-    all_m[1..inner].iter().map(|m| begin + along * *m).collect()
+fn before(courses: &[Vector], index: usize) -> Vector {
+    courses[index.saturating_sub(1)]
 }
 
-/// The next step from an arc: some are as long as those on it, then each is twice as long.
-fn grown_m(step_m: f64, count: &mut usize, span_m: f64) -> f64 {
-    *count += 1;
-    if *count < NEAR_STEPS {
-        return step_m;
-    }
-    (2.0 * step_m).min(span_m)
+fn after(courses: &[Vector], index: usize) -> Vector {
+    courses[(index + 1).min(courses.len() - 1)]
 }
 
-impl Circle {
-    fn point(bend: &Bend) -> Self {
-        let (center, around_m) = bend.around;
-        Self {
-            around: (vector(center), around_m),
-            side: match bend.circles.abs() > 0.0 {
-                true => bend.circles.signum(),
-                false => 0.0,
-            },
-            circles: bend.circles.abs(),
-            radius_m: 0.0,
-            step_m: 0.0,
-            touches_m: 0.0,
-            center: vector(center),
-            legs_m: 0.0,
-            points: 0,
-            points_m: 0.0,
-            each_rad: 0.0,
-        }
-    }
-
-    /// The circle of a turn between two legs of the line, where it touches its place.
-    fn begin(&mut self, (into, out): (Vector, Vector), radius_m: f64) {
-        let (at, around_m) = self.around;
-        let circles = self.circles > 0.0;
-        if !circles {
-            self.side = turn_rad(into, out).signum();
-        }
-        self.radius_m = match around_m > 0.0 {
-            true => radius_m.max(around_m),
-            false => wide_m(into, out, radius_m),
-        };
-        // Circles stay where there is space for them.
-        self.step_m = match circles {
-            true => 0.0,
-            false => STEP * self.radius_m.min(into.norm()).min(out.norm()),
-        };
-        let (into, out) = (into.normalize(), out.normalize());
-        self.turn(into, out);
-        self.center = at - outward(into, out) * (self.touches_m - around_m);
-    }
-
-    /// How far it turns between two courses, circles included.
-    fn turned_rad(&self, into: Vector, out: Vector) -> f64 {
-        let turn_rad = self.side * turn_rad(into, out);
-        match self.circles > 0.0 {
-            true => turn_rad + TAU * (self.circles - turn_rad / TAU).round(),
-            false => turn_rad,
-        }
-    }
-
-    /// Its control points for a turn between two courses.
-    fn turn(&mut self, into: Vector, out: Vector) {
-        let turn_rad = match self.circles > 0.0 {
-            true => self.turned_rad(into, out),
-            false => turn_rad(into, out).abs(),
-        };
-        let count = (turn_rad / TURN_RAD).ceil().max(1.0);
-        self.each_rad = turn_rad.max(STRAIGHT_RAD) / count;
-        let (sin, cos) = (0.5 * self.each_rad).sin_cos();
-        // Control points so far apart that the spline through them turns with the radius.
-        let touches = touches(self.each_rad);
-        self.points_m = self.radius_m / touches;
-        self.points_m = self.points_m.max(0.5 * self.radius_m * self.each_rad / sin);
-        self.legs_m = self.points_m * cos * self.side;
-        self.touches_m = self.points_m * touches;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a handful"
-        )]
-        let points = count as usize;
-        self.points = points;
-    }
-
-    /// What it bends around stays within it.
-    fn hold(&mut self) {
-        let (at, around_m) = self.around;
-        let (away, max_m) = (self.center - at, (self.touches_m - around_m).max(0.0));
-        let away_m = away.norm();
-        if away_m > max_m {
-            self.center = at + away * (max_m / away_m);
-        }
-    }
-
-    /// Distance between control points at the corner; an end is none.
-    fn apart_m(&self) -> Option<f64> {
-        (self.points > 0).then(|| 2.0 * self.points_m * (0.5 * self.each_rad).sin())
-    }
-
-    /// The control points of the turn between two courses.
-    fn points(&self, into: Vector, out: Vector) -> Vec<Vector> {
-        let each_rad = self.each_rad.copysign(self.legs_m);
-        // Circles begin where the leg before touches them; of a turn the middle is known.
-        let (from, first) = match self.circles > 0.0 {
-            true => (Vector::new(into.y, -into.x) * self.side, 0.5),
-            false => (outward(into, out), 0.5 - 0.5 * as_f64(self.points)),
-        };
-        let on_circle = |number: usize| {
-            let turned = (as_f64(number) + first) * each_rad;
-            self.center + Rotation2::new(turned) * from * self.points_m
-        };
-        (0..self.points).map(on_circle).collect()
+pub(super) fn east_north(at: Vector) -> EastNorth {
+    EastNorth {
+        east_m: at.x,
+        north_m: at.y,
     }
 }
 
-/// Where a line turns from one course to another: the direction away from the centre.
-fn outward(into: Vector, out: Vector) -> Vector {
-    let away = into - out;
-    let left = Vector::new(-into.y, into.x);
-    match away.norm() > STRAIGHT_RAD {
-        true => away.normalize(),
-        false => left,
-    }
+pub(super) fn vector(at: EastNorth) -> Vector {
+    Vector::new(at.east_m, at.north_m)
 }
 
-/// How near to its centre a spline comes whose control points are on a circle of radius 1, each so
-/// far from the next.
-fn touches(each_rad: f64) -> f64 {
-    let at_point = (2.0 + each_rad.cos()) / 3.0;
-    let between = (23.0 * (0.5 * each_rad).cos() + (1.5 * each_rad).cos()) / 24.0;
-    at_point.min(between)
+pub(super) fn turn_rad(into: Vector, out: Vector) -> f64 {
+    into.perp(&out).atan2(into.dot(&out))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::numeric::Basis;
 

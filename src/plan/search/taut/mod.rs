@@ -13,9 +13,10 @@ use rayon::prelude::*;
 
 use mend::Rounded;
 
+use super::Found;
 use super::fit::Line;
+use super::judgement::{JUDGED_SAMPLES, along};
 use super::polish::{fits_items, is_for_polish, plane};
-use super::{Found, JUDGED_SAMPLES, along};
 use crate::cost::CostTerms;
 use crate::geodesy::EastNorth;
 use crate::numeric::as_f64;

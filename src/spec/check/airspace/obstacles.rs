@@ -4,7 +4,7 @@ use super::super::super::airspace::{AirspaceImport, AttachedFile};
 use super::super::super::keys;
 use super::super::super::{Placement, Zone};
 use super::super::map::Map;
-use super::{Checker, Dropped, MAX_CORNERS, free_id, is_exchanged, is_far, shaped_table};
+use super::{Checker, Dropped, MAX_CORNERS, free_id, has_axes_swapped, is_far, shaped_table};
 use crate::geodesy::{Agl, EastNorth, LatLon, LocalFrame};
 use crate::numeric::text::meant;
 use crate::shapes::{self, Geometry, Shape};
@@ -70,7 +70,7 @@ impl Checker {
         for obstacle in found {
             if is_far(&obstacle.polygon(), 0.0, map) {
                 import.out_of_reach += 1;
-                import.exchanged += usize::from(is_exchanged(&obstacle.geometry(), map));
+                import.axes_swapped += usize::from(has_axes_swapped(&obstacle.geometry(), map));
                 continue;
             }
             for (name, zone) in obstacle.zones() {

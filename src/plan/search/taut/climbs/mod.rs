@@ -13,8 +13,8 @@ use crate::plan::altitude::Demand;
 use crate::plan::altitude::floor::{FloorMaker, SampledLine};
 use crate::plan::classes::taut_line::Closed;
 use crate::plan::route_context::RouteContext;
-use crate::plan::search::JUDGED_ABOVE_M;
 use crate::plan::search::fit::Line;
+use crate::plan::search::judgement::JUDGED_ABOVE_M;
 pub(in crate::plan::search) use short::Short;
 
 /// Most rounds in which a line is made longer.

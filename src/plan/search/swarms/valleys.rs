@@ -6,10 +6,10 @@
 //! evaluated where limits are cheap to break. Where their cost has a minimum of its own that is
 //! hardly above what was found, and breaks limits by little, a search goes on from there.
 
-use super::problem::Horizontal;
 use crate::geodesy::EastNorth;
 use crate::optimize::{Candidate, Problem, SearchSeed};
 use crate::plan::route_context::RouteContext;
+use crate::plan::search::problem::Horizontal;
 
 /// How far lines swing out from the straight one, in eighths of what was found.
 const OFFSETS: std::ops::RangeInclusive<i32> = -8..=12;
