@@ -1,76 +1,114 @@
 //! `sortie check`: the spec alone.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::path::Path;
 
 use super::args;
-use super::print::console::{note, out};
+use super::print::console::{note, out_json, out_lines};
 use super::print::failure::Failure;
 use crate::mission;
 use crate::path::lean_note;
-use crate::spec::{AirspaceImport, Document, MissionSpec, SpecFile, Vehicle, dome_of};
+use crate::report::{CheckDocument, CheckedVehicle, ImportEntry};
+use crate::spec::{AirspaceImport, Document, MissionSpec, SpecError, SpecFile, Vehicle};
 use crate::verify;
-use crate::world::{self, VehicleSites, World};
+use crate::world::{self, World};
 
 /// Zones of one file that are listed.
 const MAX_LISTED: usize = 20;
 
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
-    let mut imports = Vec::new();
-    let mut needs = Vec::new();
-    let (kind, vehicles, threats, zones) =
-        match Document::read_known(&arguments.spec).map_err(world::with_ground)? {
-            Document::Mission(file) => {
-                let world = world::load(&file)?;
-                let spec = &file.spec;
-                warn(&file, &world);
-                let fleet = spec.vehicles.iter().zip(&world.sites);
-                needs.extend(fleet.filter_map(|(vehicle, of)| landing_course(vehicle, of)));
-                needs.extend(fences(spec));
-                imports.clone_from(&file.imports);
-                let (threats, zones) = threats_and_zones(spec);
-                ("", spec.vehicles.len(), threats, zones)
-            }
-            Document::Scenario(scenario) => {
-                let (vehicles, threats) = (scenario.vehicles.len(), scenario.threats.len());
-                (" scenario of the study", vehicles, threats, 0)
-            }
+    let checked = checked(&arguments.spec);
+    if arguments.json {
+        let document = match &checked {
+            Ok((document, _)) => document,
+            Err(error) => &CheckDocument::of_issues(&error.issues),
         };
-    let count = |number: usize, one: &str, many: &str| {
-        if number == 1 {
-            format!("1 {one}")
-        } else {
-            format!("{number} {many}")
-        }
-    };
-    out(&format!(
-        "{}: good{kind}: {}, {}, {}",
-        arguments.spec.display(),
-        count(vehicles, "vehicle", "vehicles"),
-        count(threats, "threat", "threats"),
-        count(zones, "no-fly zone", "no-fly zones"),
-    ))?;
-    for line in needs {
-        out(&line)?;
+        out_json(document)?;
     }
-    for import in &imports {
-        for line in import_lines(import) {
-            out(&line)?;
-        }
+    let (document, lines) = checked?;
+    if arguments.json {
+        return Ok(());
     }
-    Ok(())
+    note_warnings(&document.warnings);
+    out_lines(&lines)
 }
 
-/// How many there are: a dome is one threat, and its layers are no zones.
-fn threats_and_zones(spec: &MissionSpec) -> (usize, usize) {
-    let domes: BTreeSet<&str> = spec.no_fly.iter().filter_map(dome_of).collect();
-    let zones = spec.no_fly.iter().filter(|zone| dome_of(zone).is_none());
-    (spec.threats.len() + domes.len(), zones.count())
+/// What is found in a spec, and the lines of it for people.
+fn checked(path: &Path) -> Result<(CheckDocument, Vec<String>), SpecError> {
+    let file = match Document::read_known(path).map_err(world::with_ground)? {
+        Document::Mission(file) => file,
+        Document::Scenario(scenario) => {
+            let document = CheckDocument {
+                threats: scenario.threats.len(),
+                ..CheckDocument::new("scenario")
+            };
+            let line = summary(
+                path,
+                " scenario of the study",
+                scenario.vehicles.len(),
+                &document,
+            );
+            return Ok((document, vec![line]));
+        }
+    };
+    let (spec, world) = (&file.spec, world::load(&file)?);
+    let fleet = spec.vehicles.iter().zip(&world.sites);
+    let landings = fleet.map(|(vehicle, of)| mission::landing_course_note(vehicle, of));
+    let landings: Vec<Option<String>> = landings.collect();
+    let fleet = spec.vehicles.iter().zip(&landings);
+    let mut document = CheckDocument {
+        warnings: warnings(&file, &world),
+        vehicles: fleet
+            .map(|(vehicle, landing)| CheckedVehicle::new(vehicle, landing.clone()))
+            .collect(),
+        airspace: file.imports.iter().map(ImportEntry::from).collect(),
+        ..CheckDocument::new("mission")
+    };
+    document.count(spec);
+    let mut lines = vec![summary(path, "", spec.vehicles.len(), &document)];
+    lines.extend(
+        (spec.vehicles.iter().zip(landings))
+            .filter_map(|(vehicle, landing)| Some(format!("  {}: {}", vehicle.id, landing?))),
+    );
+    lines.extend(fences(spec));
+    lines.extend(file.imports.iter().flat_map(import_lines));
+    Ok((document, lines))
+}
+
+/// The line that says how much there is of what.
+fn summary(path: &Path, kind: &str, vehicles: usize, document: &CheckDocument) -> String {
+    format!(
+        "{}: good{kind}: {}, {}, {}",
+        path.display(),
+        count(vehicles, "vehicle", "vehicles"),
+        count(document.threats, "threat", "threats"),
+        count(document.zones, "no-fly zone", "no-fly zones"),
+    )
+}
+
+fn count(number: usize, one: &str, many: &str) -> String {
+    if number == 1 {
+        format!("1 {one}")
+    } else {
+        format!("{number} {many}")
+    }
+}
+
+/// Prints what may not be meant.
+pub(super) fn warn(file: &SpecFile, world: &World) {
+    note_warnings(&warnings(file, world));
+}
+
+fn note_warnings(texts: &[String]) {
+    for text in texts {
+        note(&format!("warning: {text}"));
+    }
 }
 
 /// Warns of speeds that need more lean than a stock vehicle has or that its autopilot does not keep, of
 /// landings with the wind, of places far outside of the area, of files that forbid nothing or would
 /// with their coordinates exchanged, and of values that look like another unit.
-pub(super) fn warn(file: &SpecFile, world: &World) {
+fn warnings(file: &SpecFile, world: &World) -> Vec<String> {
     let spec = &file.spec;
     let fleet = spec.vehicles.iter().zip(&world.sites);
     let mut texts: Vec<String> = fleet
@@ -86,9 +124,7 @@ pub(super) fn warn(file: &SpecFile, world: &World) {
     texts.extend(file.imports.iter().flat_map(unmatched_warnings));
     texts.extend(verify::distant_from_area(spec, &[]));
     texts.extend(world::unit_warnings(spec, world));
-    for text in texts {
-        note(&format!("warning: {text}"));
-    }
+    texts
 }
 
 /// That a file of airspace or obstacles may not say what was meant.
@@ -121,12 +157,6 @@ fn unmatched_warnings(import: &AirspaceImport) -> Vec<String> {
         )
     });
     unmatched.collect()
-}
-
-/// The course of a landing that was found.
-fn landing_course(vehicle: &Vehicle, sites: &VehicleSites) -> Option<String> {
-    let note = mission::landing_course_note(vehicle, sites)?;
-    Some(format!("  {}: {note}", vehicle.id))
 }
 
 /// What the fence of a spec needs, and what each kind of vehicle keeps.

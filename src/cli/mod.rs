@@ -14,6 +14,7 @@ mod plan;
 mod print;
 mod replan;
 mod review;
+mod schema;
 mod study;
 mod terrain;
 mod transfer;
@@ -84,7 +85,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Migrate(arguments) => migrate::run(arguments),
         Command::New(arguments) => new::run(arguments),
         Command::Man { folder } => man::run(folder),
-        Command::Schema => out_text(&crate::spec::json_schema()),
+        Command::Schema { name } => out_text(&schema::of(*name)),
         Command::Completions { shell } => {
             let mut completions = Vec::new();
             clap_complete::generate(

@@ -24,7 +24,7 @@ use super::transfer::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Improved, Improving, Stage};
 use crate::link::TransferReport;
-use crate::report::{infeasibilities, worst_first};
+use crate::report::{TimingDocument, infeasibilities, worst_first};
 use crate::spec::{Arrival, MissionSpec, OnLinkLoss, SpecFile};
 use crate::tasks::AssignedTask;
 use crate::verify::{Margin, Review, Topic};
@@ -60,16 +60,19 @@ impl Stopwatch {
             .push((stage, self.started.elapsed().as_secs_f64() - before));
     }
 
-    /// The stages so far, processor time and memory.
-    fn json(&self) -> Value {
-        let mut document: serde_json::Map<String, Value> = self
-            .stages
-            .iter()
-            .map(|(stage, seconds)| ((*stage).to_owned(), json!(seconds)))
-            .collect();
-        document.insert("cpu_s".to_owned(), json!(usage::cpu_s()));
-        document.insert("memory_mib".to_owned(), json!(usage::peak_memory_mib()));
-        document.into()
+    /// Reading and planning, processor time and memory.
+    fn document(&self) -> TimingDocument {
+        let spent_s = |stage: &str| {
+            let mut stages = self.stages.iter();
+            let found = stages.find(|(name, _)| *name == stage);
+            found.map_or(0.0, |(_, seconds)| *seconds)
+        };
+        TimingDocument {
+            read_s: spent_s("read_s"),
+            plan_s: spent_s("plan_s"),
+            cpu_s: usage::cpu_s(),
+            memory_mib: usage::peak_memory_mib(),
+        }
     }
 
     fn total_s(&self) -> f64 {
@@ -97,7 +100,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         None => plan(&file, &world, seed),
     };
     watch.split("plan_s");
-    folder::write(&target, &file, &world, &dispatched, &|| watch.json())?;
+    folder::write(&target, &file, &world, &dispatched, &|| watch.document())?;
     watch.split("write_s");
 
     let passes = dispatched.review.passes();
@@ -121,7 +124,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         let plan = folder::plan_document(&file, &world, &dispatched);
         let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
         document["out"] = json!(target.display().to_string());
-        document["upload"] = transfer.as_ref().map_or(Value::Null, FleetTransfer::json);
+        document["upload"] = json!(transfer.as_ref().map(FleetTransfer::document));
         out_json(&document)?;
     } else {
         print_result(&file, &world, &dispatched, transfer.as_ref(), &watch)?;
@@ -164,9 +167,9 @@ fn plan_within(
     let progress = Progress::start();
     let cancel = Arc::new(AtomicBool::new(false));
     let mut plans = Improving::new(&file.spec, world, seed, &cancel).without_end();
-    let tell = |plan: &Improved| {
-        progress.mark(&format!(
-            "cost {:.3} with {} evaluations for each vehicle; Ctrl-C takes the best plan",
+    let show = |plan: &Improved| {
+        progress.say(&format!(
+            "cost {:.3} with {} evaluations for each vehicle",
             plan.dispatched.plan.cost(),
             plan.evaluations
         ));
@@ -185,9 +188,10 @@ fn plan_within(
         let _ = ended.recv_timeout(left);
         at_end.store(true, Ordering::Relaxed);
     });
-    best.iter().for_each(&tell);
+    note("there is a plan: Ctrl-C takes the best so far");
+    best.iter().for_each(&show);
     for plan in plans {
-        tell(&plan);
+        show(&plan);
         best = Some(plan);
     }
     drop(progress);

@@ -292,13 +292,11 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     }
     let count = job.spec.vehicles.len();
     let is_crowd = crowd::is_crowd(job.spec, job.world);
-    if is_crowd {
-        if let Some(found) = planned_together(job) {
-            let mut found = mended(job, found);
-            if found.review.passes() || count > crowd::MAX_ONE_BY_ONE {
-                found.name_those_too_near(job.spec);
-                return found;
-            }
+    if is_crowd && let Some(found) = planned_together(job) {
+        let mut found = mended(job, found);
+        if found.review.passes() || count > crowd::MAX_ONE_BY_ONE {
+            found.name_those_too_near(job.spec);
+            return found;
         }
     }
     let one_by_one = with_fewer_freedoms(job);

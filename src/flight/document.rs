@@ -1,5 +1,6 @@
 //! `flight.json`.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::conformance::report::{
@@ -13,7 +14,7 @@ use crate::spec::AlarmKind;
 use crate::verify::Review;
 
 /// How well a flight went: `flight.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FlightDocument {
     /// Version of Sortie.
     pub sortie: &'static str,
@@ -40,7 +41,7 @@ pub struct FlightDocument {
 }
 
 /// How many stops or tasks were seen done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DoneCount {
     /// Those that were seen done.
     pub done: usize,
@@ -49,7 +50,7 @@ pub struct DoneCount {
 }
 
 /// An alarm of `flight.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct AlarmEntry {
     /// When it was raised, seconds after T0.
     pub t_s: f64,
@@ -66,7 +67,7 @@ pub struct AlarmEntry {
 }
 
 /// One vehicle of `flight.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FlownVehicle {
     /// Name in the spec.
     pub id: String,
@@ -91,7 +92,7 @@ pub struct FlownVehicle {
 }
 
 /// A stop of the spec, and when the vehicle was nearest to it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StopEntry {
     /// Name in the spec.
     pub id: String,
@@ -105,7 +106,7 @@ pub struct StopEntry {
 }
 
 /// A task of the spec, and what was seen of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TaskEntry {
     /// Name in the spec.
     pub id: String,
@@ -117,7 +118,7 @@ pub struct TaskEntry {
 }
 
 /// What was seen of a stop or a task.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SeenEntry {
     /// `done`, `left` or `missed`: it went on without being seen to do it.
     pub state: &'static str,
@@ -128,7 +129,7 @@ pub struct SeenEntry {
 }
 
 /// Median, 95 % and worst.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SpreadEntry {
     /// As in [`ErrorPercentiles`].
     pub median: f64,
@@ -139,7 +140,7 @@ pub struct SpreadEntry {
 }
 
 /// A waypoint that was passed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PassageEntry {
     /// Row of the `.waypoints` file.
     pub item: usize,

@@ -1,5 +1,6 @@
 //! `certificate.json`: proofs of bounds, for checkers that share no code.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::geodesy::PlanPoint;
@@ -8,7 +9,7 @@ use crate::spec::MissionSpec;
 use crate::world::World;
 
 /// The certificates of a fleet.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct CertificateDocument {
     /// Version of this program.
     pub sortie: &'static str,
@@ -21,7 +22,7 @@ pub struct CertificateDocument {
 }
 
 /// The certificates of one vehicle.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct CertifiedVehicle {
     /// Its id.
     pub id: String,
@@ -32,7 +33,7 @@ pub struct CertifiedVehicle {
 }
 
 /// The certificate of one route: see [`RouteCertificate`].
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct CertifiedRoute {
     bound: f64,
     /// East, north, altitude of start and goal, metres.

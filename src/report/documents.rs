@@ -1,23 +1,29 @@
-//! `plan.json` and `review.json`: plain documents for other programs.
+//! `plan.json`, `review.json` and others: plain documents for other programs.
 //!
 //! Keys stand in the order of the structs. Places are rounded to 1e-9 degrees
 //! and metres to 1e-4, far below anything that can be flown, so that the same
 //! facts give the same bytes.
 
+mod check;
 mod plan;
 mod review;
+mod timing;
+mod upload;
 
 use serde::Serialize;
 
 use crate::numeric::text::escaped_json;
 
+pub use check::{CheckDocument, CheckedVehicle, ImportEntry, IssueEntry};
 pub(super) use plan::whole_path;
 pub use plan::{
     ControlPoint, Cost, FleetCost, LeftOut, PathPoint, PlanDocument, PlannedVehicle,
-    PlannedVehicles, plan_json,
+    PlannedVehicles, UsedEndurance, plan_json,
 };
 pub(super) use review::place;
 pub use review::{MarginEntry, Place, ReviewDocument, review_json};
+pub use timing::TimingDocument;
+pub use upload::{UploadDocument, UploadedVehicle};
 
 const DEGREE_DIGITS: f64 = 1e9;
 const METRE_DIGITS: f64 = 1e4;

@@ -13,8 +13,10 @@ pub use certificate::{
     CertificateDocument, CertifiedRoute, CertifiedVehicle, certificate_document,
 };
 pub use documents::{
-    ControlPoint, Cost, FleetCost, LeftOut, MarginEntry, PathPoint, Place, PlanDocument,
-    PlannedVehicle, PlannedVehicles, ReviewDocument, json_text, plan_json, review_json,
+    CheckDocument, CheckedVehicle, ControlPoint, Cost, FleetCost, ImportEntry, IssueEntry, LeftOut,
+    MarginEntry, PathPoint, Place, PlanDocument, PlannedVehicle, PlannedVehicles, ReviewDocument,
+    TimingDocument, UploadDocument, UploadedVehicle, UsedEndurance, json_text, plan_json,
+    review_json,
 };
 pub use infeasibility::{Infeasibility, infeasibilities};
 pub use map::review_svg;

@@ -1,12 +1,13 @@
 //! Verified trajectories as a document.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::documents::{Place, place, rounded};
 use crate::verify::{VerifiedSegment, VerifiedTrajectory};
 
 /// The verified trajectories of a fleet.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TrajectoriesDocument {
     /// Version of Sortie.
     pub sortie: &'static str,
@@ -15,7 +16,7 @@ pub struct TrajectoriesDocument {
 }
 
 /// The verified trajectory of one vehicle.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct VehicleTrajectory {
     /// Id in the spec.
     pub id: String,
@@ -28,7 +29,7 @@ pub struct VehicleTrajectory {
 }
 
 /// One straight motion of a verified trajectory.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct TrajectorySegment {
     /// Where and when it begins.
     pub from: Place,

@@ -706,7 +706,7 @@ fn an_interrupt_within_the_time_of_a_plan_takes_the_best_so_far() {
     let lines = BufReader::new(process.stderr.take().expect("piped")).lines();
     let mut lines = lines.map_while(Result::ok);
     let shown = lines.find(|line| line.contains("Ctrl-C takes the best"));
-    assert!(shown.is_some(), "it says how far it is");
+    assert!(shown.is_some(), "it says that there is a plan");
     let interrupt = Command::new("kill")
         .args(["-INT", &process.id().to_string()])
         .status();

@@ -6,6 +6,7 @@ mod support;
 mod airspace;
 mod begin;
 mod cli;
+mod documents;
 mod many_zones;
 mod migrate;
 mod whole_line;

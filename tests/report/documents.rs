@@ -42,6 +42,8 @@ fn plan_json_has_the_keys_of_the_contract() {
         "estimate",
         "gap",
         "evaluations",
+        "endurance",
+        "tasks",
         "plans",
         "control_points",
         "path",

@@ -86,8 +86,12 @@ pub(super) enum Command {
     Study(Study),
     /// Rewrite a spec of version 1 as version 2, which has buffers; comments stay
     Migrate(Migrate),
-    /// Print the JSON Schema of the spec
-    Schema,
+    /// Print the JSON Schema of the spec, or of a document
+    Schema {
+        /// Which
+        #[arg(default_value = "spec")]
+        name: SchemaName,
+    },
     /// Write the manual pages of all commands
     Man {
         /// Folder to write to, created where it is missing
@@ -173,6 +177,38 @@ pub(super) struct Migrate {
 pub(super) struct Check {
     /// The mission spec (YAML)
     pub(super) spec: PathBuf,
+    /// Print one JSON document, with every problem and its line and column
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// What a JSON Schema is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum SchemaName {
+    /// The mission spec
+    Spec,
+    /// plan.json, and `plan --json`
+    Plan,
+    /// review.json, and `review --json`
+    Review,
+    /// What `review --trajectories` writes
+    Trajectories,
+    /// timing.json
+    Timing,
+    /// upload.json, and `upload --json`
+    Upload,
+    /// flight.json, and `fly --json`
+    Flight,
+    /// certificate.json
+    Certificate,
+    /// What `check --json` prints
+    Check,
+    /// What `convert --json` prints
+    Convert,
+    /// What `terrain info --json` prints
+    Terrain,
+    /// What `study speed --json` prints
+    Speed,
 }
 
 #[derive(Debug, clap::Args)]

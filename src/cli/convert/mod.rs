@@ -5,6 +5,7 @@ mod zones;
 
 use std::path::Path;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::args::{self, AirframeName, AutopilotName, ListName};
@@ -51,13 +52,19 @@ impl Target {
 }
 
 /// The report of a conversion.
-#[derive(Debug, Serialize)]
-struct Report {
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct Report {
+    /// The file read.
     input: String,
+    /// The file written.
     output: String,
+    /// The autopilot that the output is for.
     autopilot: &'static str,
+    /// Mission items, without home.
     mission_items: usize,
+    /// Fence items.
     fence_items: usize,
+    /// Rally points.
     rally_points: usize,
     /// Deviations from the format that the reader repaired.
     repairs: Vec<String>,

@@ -19,7 +19,7 @@ use crate::library::mission_files;
 use crate::mission::{Parameter, VehicleMission};
 use crate::numeric::text::{open_regular, read_regular};
 use crate::path::TimedPoint;
-use crate::report::{self, PlanDocument, ReviewInput};
+use crate::report::{self, PlanDocument, ReviewInput, TimingDocument};
 use crate::spec::{SpecFile, TerrainSource};
 use crate::world::{self, World};
 use replace::NewFolder;
@@ -48,7 +48,7 @@ pub(super) fn plan_document<'a>(
     if let Some(tasks) = &dispatched.tasks {
         document.add_tasks(tasks);
     }
-    document.add_left_out(&dispatched.review);
+    document.add_review(&dispatched.review);
     document
 }
 
@@ -71,7 +71,7 @@ pub(super) fn write(
     file: &SpecFile,
     world: &World,
     dispatched: &Dispatched,
-    timing: &dyn Fn() -> serde_json::Value,
+    timing: &dyn Fn() -> TimingDocument,
 ) -> Result<(), Failure> {
     let folder = NewFolder::next_to(out, reason_not_to_replace)?;
     copy_terrain(&folder, file)?;

@@ -6,7 +6,8 @@ pub(super) mod http;
 
 use std::path::{Path, PathBuf};
 
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::args;
 use super::print::console::{out_json, out_lines};
@@ -51,11 +52,12 @@ fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        let files: Vec<Value> = good
+        let files = good
             .iter()
-            .map(|(path, found)| document(path, found))
-            .collect();
-        out_json(&json!({ "files": files }))?;
+            .map(|(path, found)| TerrainFile::new(path, found));
+        out_json(&TerrainDocument {
+            files: files.collect(),
+        })?;
     } else {
         for (path, found) in &good {
             out_lines(&lines(path, found))?;
@@ -109,20 +111,72 @@ fn lines(path: &Path, found: &TerrainInfo) -> [String; 5] {
     ]
 }
 
-fn document(path: &Path, found: &TerrainInfo) -> Value {
-    let corner = |place: LatLon| json!({ "lat_deg": place.lat_deg, "lon_deg": place.lon_deg });
-    json!({
-        "file": path.display().to_string(),
-        "format": found.format,
-        "south_west": corner(found.south_west),
-        "north_east": corner(found.north_east),
-        "rows": found.rows,
-        "columns": found.columns,
-        "row_step_deg": found.row_step_deg,
-        "column_step_deg": found.column_step_deg,
-        "voids": found.voids,
-        "lowest_amsl_m": found.range.map(|(low, _)| low.0),
-        "highest_amsl_m": found.range.map(|(_, high)| high.0),
-        "datum": found.datum,
-    })
+/// What elevation files hold.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(super) struct TerrainDocument {
+    /// In the order of the arguments.
+    files: Vec<TerrainFile>,
+}
+
+/// What one elevation file holds.
+#[derive(Debug, Serialize, JsonSchema)]
+struct TerrainFile {
+    /// Its path.
+    file: String,
+    /// Its format.
+    format: &'static str,
+    /// Its south-west corner.
+    south_west: Corner,
+    /// Its north-east corner.
+    north_east: Corner,
+    /// Posts from south to north.
+    rows: usize,
+    /// Posts from west to east.
+    columns: usize,
+    /// From post to post north, degrees.
+    row_step_deg: f64,
+    /// From post to post east, degrees.
+    column_step_deg: f64,
+    /// Posts without data.
+    voids: usize,
+    /// Metres above mean sea level; null without any data.
+    lowest_amsl_m: Option<f64>,
+    /// Metres above mean sea level; null without any data.
+    highest_amsl_m: Option<f64>,
+    /// What its heights refer to.
+    datum: String,
+}
+
+/// A place.
+#[derive(Debug, Serialize, JsonSchema)]
+struct Corner {
+    /// Degrees north, WGS84.
+    lat_deg: f64,
+    /// Degrees east, WGS84.
+    lon_deg: f64,
+}
+
+impl From<LatLon> for Corner {
+    fn from(LatLon { lat_deg, lon_deg }: LatLon) -> Self {
+        Self { lat_deg, lon_deg }
+    }
+}
+
+impl TerrainFile {
+    fn new(path: &Path, found: &TerrainInfo) -> Self {
+        Self {
+            file: path.display().to_string(),
+            format: found.format,
+            south_west: found.south_west.into(),
+            north_east: found.north_east.into(),
+            rows: found.rows,
+            columns: found.columns,
+            row_step_deg: found.row_step_deg,
+            column_step_deg: found.column_step_deg,
+            voids: found.voids,
+            lowest_amsl_m: found.range.map(|(low, _)| low.0),
+            highest_amsl_m: found.range.map(|(_, high)| high.0),
+            datum: found.datum.clone(),
+        }
+    }
 }

@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
-
 use crate::cli::folder::replace;
 use crate::cli::folder::runs;
 use crate::cli::print::console::{Paint, note, out_lines};
@@ -11,7 +9,7 @@ use crate::cli::print::failure::Failure;
 use crate::cli::print::table::Rows;
 use crate::flight::STANDS_M;
 use crate::link::{TransferReport, Verdict};
-use crate::report::json_text;
+use crate::report::{UploadDocument, UploadedVehicle, json_text};
 
 /// Differing items that are listed of each vehicle.
 const MAX_DIFFERENCES: usize = 5;
@@ -45,54 +43,46 @@ fn lines(report: &TransferReport) -> Vec<String> {
         .collect()
 }
 
-impl FleetTransfer {
-    /// The document of a transfer that never began.
-    pub(crate) fn nothing(reason: &str) -> Value {
-        json!({
-            "sortie": env!("CARGO_PKG_VERSION"),
-            "verdict": "refused",
-            "reason": reason,
-            "vehicles": [],
-        })
+fn uploaded(report: &TransferReport) -> UploadedVehicle {
+    let (verdict, reason) = match &report.verdict {
+        Verdict::Verified => ("verified", None),
+        Verdict::Failed(failure) => ("failed", Some(failure.to_string())),
+        Verdict::Refused(refusal) => ("refused", Some(refusal.to_string())),
+    };
+    UploadedVehicle {
+        vehicle: report.vehicle.clone(),
+        sysid: report.sysid,
+        autopilot: report.autopilot.clone(),
+        version: report.version.clone(),
+        items: report.items,
+        fence: report.fence,
+        rally: report.rally,
+        attempts: report.attempts,
+        retries: report.retries,
+        seconds: report.seconds,
+        hash: report.hash.clone(),
+        from_home_m: report.from_home_m,
+        plan_ids: report.plan_ids,
+        verdict,
+        reason,
+        differences: report.differences.iter().map(ToString::to_string).collect(),
+        statustexts: report.statustexts.clone(),
     }
+}
 
-    pub(crate) fn json(&self) -> Value {
-        let vehicles: Vec<Value> = self
-            .reports
-            .iter()
-            .map(|report| {
-                let (verdict, reason) = match &report.verdict {
-                    Verdict::Verified => ("verified", None),
-                    Verdict::Failed(failure) => ("failed", Some(failure.to_string())),
-                    Verdict::Refused(refusal) => ("refused", Some(refusal.to_string())),
-                };
-                json!({
-                    "vehicle": report.vehicle,
-                    "sysid": report.sysid,
-                    "autopilot": report.autopilot,
-                    "version": report.version,
-                    "items": report.items,
-                    "fence": report.fence,
-                    "rally": report.rally,
-                    "attempts": report.attempts,
-                    "retries": report.retries,
-                    "seconds": report.seconds,
-                    "hash": report.hash,
-                    "from_home_m": report.from_home_m,
-                    "plan_ids": report.plan_ids,
-                    "verdict": verdict,
-                    "reason": reason,
-                    "differences": report.differences.iter().map(ToString::to_string).collect::<Vec<_>>(),
-                    "statustexts": report.statustexts,
-                })
-            })
-            .collect();
-        let verdict = if self.is_verified() {
-            "verified"
-        } else {
-            "failed"
-        };
-        json!({"sortie": env!("CARGO_PKG_VERSION"), "verdict": verdict, "vehicles": vehicles})
+impl FleetTransfer {
+    /// The content of `upload.json`.
+    pub(crate) fn document(&self) -> UploadDocument {
+        UploadDocument {
+            sortie: env!("CARGO_PKG_VERSION"),
+            verdict: if self.is_verified() {
+                "verified"
+            } else {
+                "failed"
+            },
+            reason: None,
+            vehicles: self.reports.iter().map(uploaded).collect(),
+        }
     }
 
     fn is_verified(&self) -> bool {
@@ -101,7 +91,7 @@ impl FleetTransfer {
 
     /// Writes the record to `DIR.runs/`, under its time and as the newest.
     pub(crate) fn record(&self, target: &Path) -> Result<(), Failure> {
-        let text = json_text(&self.json());
+        let text = json_text(&self.document());
         let folder = runs::folder(target);
         replace::write_file(&runs::named(&folder, "upload", "json"), text.as_bytes())?;
         replace::write_file(&folder.join("upload.json"), text.as_bytes())?;

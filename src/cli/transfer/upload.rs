@@ -17,11 +17,15 @@ use crate::cli::print::table;
 use crate::cli::print::table::Rows;
 use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
+use crate::report::{UploadDocument, UploadedVehicle};
 use crate::simulator;
 use crate::simulator::{Running, Simulated};
 use crate::spec::{Link, SpecFile};
-use crate::verify;
+use crate::verify::{self, Review};
 use crate::world;
+
+/// Why a dry run sends nothing.
+const DRY_RUN: &str = "nothing was sent (--dry-run)";
 
 pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let (file, files, target) = match &arguments.spec {
@@ -45,25 +49,11 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     warn_of_parked(&review);
     warn_of_versions(&file, &judged);
     if !review.passes() {
-        let failures = table::failures(&review, Paint::for_stdout());
-        if arguments.json {
-            note_lines(&failures);
-        } else {
-            out_lines(&failures)?;
-        }
-        if !arguments.force {
-            let reason = "the missions do not pass verification; nothing was sent";
-            if arguments.json {
-                out_json(&FleetTransfer::nothing(reason))?;
-            }
-            return Err(Failure::new(Failure::VERDICT, reason));
-        }
-        note("the missions do not pass verification; sent nevertheless (--force)");
+        refuse_failing(&review, arguments)?;
     }
     if arguments.dry_run {
         if arguments.json {
-            let reason = "nothing was sent (--dry-run)";
-            return out_json(&FleetTransfer::nothing(reason));
+            return out_json(&dry_run_document(&file, &missions));
         }
         return print_dry_run(&file, &missions, &links);
     }
@@ -74,12 +64,40 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     transfer.record(&target)?;
     transfer.warn();
     if arguments.json {
-        out_json(&transfer.json())?;
+        out_json(&transfer.document())?;
     } else {
         transfer.print()?;
         table::print_no_buffers(&file.spec)?;
     }
     transfer.verdict()
+}
+
+/// Names what fails of missions that do not pass.
+///
+/// # Errors
+/// Nothing is sent, unless by force.
+fn refuse_failing(review: &Review, arguments: &args::Upload) -> Result<(), Failure> {
+    let failures = table::failures(review, Paint::for_stdout());
+    if arguments.json {
+        note_lines(&failures);
+    } else {
+        out_lines(&failures)?;
+    }
+    if !arguments.force {
+        let reason = "the missions do not pass verification; nothing was sent";
+        if arguments.json {
+            out_json(&UploadDocument::not_begun("refused", reason, Vec::new()))?;
+        }
+        return Err(Failure::new(Failure::VERDICT, reason));
+    }
+    let what = match arguments.dry_run {
+        true => "they would be sent nevertheless",
+        false => "sent nevertheless",
+    };
+    note(&format!(
+        "the missions do not pass verification; {what} (--force)"
+    ));
+    Ok(())
 }
 
 /// Warns of copters that a later version of their autopilot flies at other altitudes than judged.
@@ -173,7 +191,22 @@ fn print_dry_run(
     }
     rows.print()?;
     table::print_no_buffers(&file.spec)?;
-    out("nothing was sent (--dry-run)")
+    out(DRY_RUN)
+}
+
+/// What would be sent.
+fn dry_run_document(file: &SpecFile, missions: &[(usize, VehicleMission)]) -> UploadDocument {
+    const NOT_SENT: &str = "not sent";
+    let vehicles = missions.iter().map(|(vehicle, mission)| UploadedVehicle {
+        vehicle: file.spec.vehicles[*vehicle].id.clone(),
+        sysid: file.spec.vehicles[*vehicle].sysid,
+        items: mission.items.len(),
+        fence: mission.fence.len(),
+        rally: mission.rally.len(),
+        verdict: NOT_SENT,
+        ..UploadedVehicle::default()
+    });
+    UploadDocument::not_begun(NOT_SENT, DRY_RUN, vehicles.collect())
 }
 
 /// Transfers to every vehicle at once. Simulated vehicles are started inside

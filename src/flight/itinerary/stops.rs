@@ -1,5 +1,6 @@
 //! The stops of a vehicle in the order in which it makes them, and what they are for.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geodesy::LatLon;
@@ -54,7 +55,7 @@ pub struct Service {
 }
 
 /// What a service is: a stop of the vehicle, or a kind of task.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ServiceKind {
     /// A stop of its own.

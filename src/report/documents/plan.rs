@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
-use super::{DEGREE_DIGITS, METRE_DIGITS, finite, rounded, verdict};
+use super::{DEGREE_DIGITS, METRE_DIGITS, finite, rounded, rounded_against, verdict};
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
@@ -16,7 +17,7 @@ use crate::world::{VehicleSites, World};
 
 /// The paths of a fleet: `plan.json`. Its vehicles are made one at a time as they are written:
 /// those of a large fleet have hundreds of megabytes.
-#[derive(Clone, Serialize)]
+#[derive(Clone, Serialize, JsonSchema)]
 pub struct PlanDocument<'a> {
     /// Version of Sortie.
     pub sortie: &'static str,
@@ -32,6 +33,7 @@ pub struct PlanDocument<'a> {
     /// The whole fleet.
     pub fleet: FleetCost,
     /// In the order of the spec.
+    #[schemars(with = "Vec<PlannedVehicle>")]
     pub vehicles: PlannedVehicles<'a>,
     /// The tasks that no vehicle does, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -39,7 +41,7 @@ pub struct PlanDocument<'a> {
 }
 
 /// What a fleet costs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FleetCost {
     /// Sum of the vehicles' costs.
     pub cost: Option<f64>,
@@ -69,6 +71,7 @@ pub struct PlannedVehicles<'a> {
     plan: &'a FleetPlan,
     passes: bool,
     tasks: Option<&'a FleetTasks>,
+    endurance: BTreeMap<&'a str, &'a Margin>,
     left_out: BTreeMap<&'a str, Vec<&'a Margin>>,
 }
 
@@ -77,7 +80,8 @@ impl PlannedVehicles<'_> {
     fn vehicle(&self, index: usize) -> PlannedVehicle {
         let (spec, world) = (self.spec, self.world);
         let (vehicle, planned) = (&spec.vehicles[index], &self.plan.vehicles[index]);
-        let own = self.left_out.get(vehicle.id.as_str());
+        let id = vehicle.id.as_str();
+        let (own, endurance) = (self.left_out.get(id), self.endurance.get(id));
         let mut document = PlannedVehicle {
             landing_deg: landing_deg(vehicle, world.sites.get(index)),
             gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
@@ -88,6 +92,7 @@ impl PlannedVehicles<'_> {
             } else {
                 violation_entries(spec, vehicle, planned, world)
             },
+            endurance: endurance.map(|margin| UsedEndurance::of(margin)),
             left_out_of_fence: own.map_or_else(Vec::new, |margins| left_out_of_fence(margins)),
             ..planned_vehicle(spec, vehicle, planned, world)
         };
@@ -106,7 +111,7 @@ impl Serialize for PlannedVehicles<'_> {
 }
 
 /// A task that a vehicle does.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PlannedTask {
     /// Name in the spec.
     pub id: String,
@@ -121,7 +126,7 @@ pub struct PlannedTask {
 }
 
 /// A task that no vehicle does.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LeftTask {
     /// Name in the spec.
     pub id: String,
@@ -130,7 +135,7 @@ pub struct LeftTask {
 }
 
 /// A stop of a planned vehicle.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PlannedStop {
     /// Name in the spec.
     pub id: String,
@@ -150,7 +155,7 @@ pub struct PlannedStop {
 }
 
 /// One vehicle of `plan.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PlannedVehicle {
     /// Name in the spec.
     pub id: String,
@@ -180,6 +185,8 @@ pub struct PlannedVehicle {
     pub gap: Option<f64>,
     /// Objective evaluations spent.
     pub evaluations: usize,
+    /// What it uses from takeoff to touchdown, and what it may; null where the spec gives no endurance.
+    pub endurance: Option<UsedEndurance>,
     /// Which limits the best path breaks, if none was found that keeps them all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub violations: Vec<BlockEntry>,
@@ -198,7 +205,6 @@ pub struct PlannedVehicle {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stops: Vec<PlannedStop>,
     /// The tasks that it does, in the order in which it begins them.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tasks: Vec<PlannedTask>,
     /// What its autopilot has no space for in the fence, the nearest first.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -209,8 +215,29 @@ pub struct PlannedVehicle {
     pub path: Vec<PathPoint>,
 }
 
+/// What a vehicle uses of its endurance, by the verdict.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct UsedEndurance {
+    /// From takeoff to touchdown, late as it may be; null where that is not known.
+    pub used: Option<f64>,
+    /// What it may use: all but the reserve.
+    pub limit: Option<f64>,
+    /// Unit of both: `s`, `m` or `Wh`.
+    pub unit: &'static str,
+}
+
+impl UsedEndurance {
+    fn of(margin: &Margin) -> Self {
+        Self {
+            used: rounded_against(margin.value, margin.bound),
+            limit: finite(margin.bound),
+            unit: margin.unit,
+        }
+    }
+}
+
 /// A zone or threat that is not in the fence of a vehicle.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LeftOut {
     /// Such as `zone town`.
     pub what: String,
@@ -219,7 +246,7 @@ pub struct LeftOut {
 }
 
 /// A limit that the best path found violates.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct BlockEntry {
     /// The limit: a threat or zone by its id, the ground, a turn.
     pub what: String,
@@ -230,7 +257,7 @@ pub struct BlockEntry {
 }
 
 /// The terms of the objective as they enter the total.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[expect(missing_docs, reason = "the names are those of `CostTerms`")]
 pub struct Cost {
     pub total: Option<f64>,
@@ -244,7 +271,7 @@ pub struct Cost {
 }
 
 /// A control point; the path passes near it, at no defined time.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ControlPoint {
     /// Degrees north, WGS84.
     pub lat_deg: Option<f64>,
@@ -255,7 +282,7 @@ pub struct ControlPoint {
 }
 
 /// A point of the path.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PathPoint {
     /// Degrees north, WGS84.
     pub lat_deg: Option<f64>,
@@ -289,6 +316,7 @@ pub fn plan_json<'a>(
             plan,
             passes,
             tasks: None,
+            endurance: BTreeMap::new(),
             left_out: BTreeMap::new(),
         },
         tasks_left: Vec::new(),
@@ -306,12 +334,24 @@ impl<'a> PlanDocument<'a> {
         self.tasks_left = left.collect();
     }
 
-    /// Adds what the verdict found left out of the fences.
-    pub fn add_left_out(&mut self, review: &'a Review) {
-        let is_left_out = |margin: &&Margin| matches!(margin.limit, Limit::FenceLeftOut(_));
-        for margin in review.margins.iter().filter(is_left_out) {
-            let own = self.vehicles.left_out.entry(&margin.vehicle);
-            own.or_default().push(margin);
+    /// Adds what the verdict found: the endurance that is used, and what is left out of the fences.
+    pub fn add_review(&mut self, review: &'a Review) {
+        let spec = self.vehicles.spec;
+        let is_limited = |id: &str| {
+            let mut fleet = spec.vehicles.iter();
+            fleet.any(|vehicle| vehicle.id == id && vehicle.endurance.is_some())
+        };
+        for margin in &review.margins {
+            let id = margin.vehicle.as_str();
+            match &margin.limit {
+                Limit::FenceLeftOut(_) => {
+                    self.vehicles.left_out.entry(id).or_default().push(margin);
+                }
+                Limit::Endurance if is_limited(id) => {
+                    self.vehicles.endurance.insert(id, margin);
+                }
+                _ => {}
+            }
         }
     }
 }
@@ -396,6 +436,7 @@ fn planned_vehicle(
         estimate: finite(planned.estimate),
         gap: planned.gap().and_then(finite),
         evaluations: planned.evaluations,
+        endurance: None,
         violations: Vec::new(),
         plans: planned.plans,
         is_proven_infeasible: !planned.blocking_set.is_empty(),

@@ -1,12 +1,13 @@
 //! `review.json`: the verdict and every margin.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{DEGREE_DIGITS, METRE_DIGITS, finite, rounded, rounded_against, verdict};
 use crate::verify::{Margin, Moment, Review};
 
 /// The verdict and every margin: `review.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ReviewDocument {
     /// `pass` or `fail`.
     pub verdict: &'static str,
@@ -17,7 +18,7 @@ pub struct ReviewDocument {
 }
 
 /// One margin of `review.json`. A value that could not be judged is null.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MarginEntry {
     /// Id of the vehicle.
     pub vehicle: String,
@@ -44,7 +45,7 @@ pub struct MarginEntry {
 }
 
 /// Where and when a margin is worst.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Place {
     /// Degrees north, WGS84.
     pub lat_deg: Option<f64>,

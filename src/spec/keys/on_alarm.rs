@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::words;
 
 /// What an alarm in flight is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum AlarmKind {
     /// Two vehicles are too near, or will be.

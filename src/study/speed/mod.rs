@@ -11,6 +11,7 @@ mod course;
 use std::time::Instant;
 
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::document::Table;
@@ -23,7 +24,7 @@ use course::{BATCH, CANDIDATES};
 pub use course::{Population, SpeedCourse};
 
 /// Evaluations per second.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Speed {
     /// By the operational objective.
     #[serde(flatten)]
@@ -43,7 +44,7 @@ pub struct Speed {
 }
 
 /// Evaluations per second by one objective, one thread.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Rates {
     /// Local candidates.
     pub fast_one_thread: f64,
@@ -60,7 +61,7 @@ pub struct Rates {
 }
 
 /// One set of instructions.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Level {
     /// Its name.
     pub dispatch: &'static str,
