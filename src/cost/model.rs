@@ -88,7 +88,7 @@ impl CostModel {
             Objective::Paper => earlier,
         };
         let relief = Relief::new(&world.ground, world.max_amsl.0 + WALL_OVER_CEILING_M);
-        let layer = world.layers.get(vehicle).copied().unwrap_or(Layer::OPEN);
+        let layer = world.layer(vehicle);
         let heights = Heights::new((world, layer), &relief, &ends, &margins);
         Self {
             objective: spec.planner.objective,
@@ -105,7 +105,7 @@ impl CostModel {
             max_amsl_m: world.max_amsl.0,
             min_amsl_m: layer.min_amsl_m,
             agl_m: heights.at_samples(path.fine.samples()),
-            is_layered: !layer.is_open(),
+            is_layered: !layer.is_unlimited(),
             per_depth: 1.0 / world.min_agl.0.max(10.0),
             straight_km: (straight_m / 1000.0).max(0.1),
             path,

@@ -41,5 +41,5 @@ pub(super) const ALWAYS: usize = 8;
 pub(super) fn nobody_pays(spec: &MissionSpec, found: &Dispatched) -> bool {
     let mut fleet = spec.vehicles.iter().zip(&found.plan.vehicles);
     found.review.passes()
-        && fleet.all(|(vehicle, plan)| vehicle.retiming.is_open() && plan.plans == 1)
+        && fleet.all(|(vehicle, plan)| vehicle.retiming.is_allowed() && plan.plans == 1)
 }

@@ -73,7 +73,7 @@ impl Projection {
 
     /// The place of a point east and north in the units of the system; degrees in one of degrees.
     #[must_use]
-    pub fn place(&self, east: f64, north: f64) -> Option<LatLon> {
+    pub fn to_lat_lon(&self, east: f64, north: f64) -> Option<LatLon> {
         let unit = if self.from.is_latlong() {
             1.0_f64.to_radians()
         } else {
@@ -88,9 +88,9 @@ impl Projection {
         (place.lat_deg.is_finite() && place.lon_deg.is_finite()).then_some(place)
     }
 
-    /// The reverse of [`Self::place`].
+    /// The reverse of [`Self::to_lat_lon`].
     #[must_use]
-    pub fn point(&self, place: LatLon) -> Option<(f64, f64)> {
+    pub fn from_lat_lon(&self, place: LatLon) -> Option<(f64, f64)> {
         let mut point = (place.lon_deg.to_radians(), place.lat_deg.to_radians(), 0.0);
         transform(&self.wgs84, &self.from, &mut point).ok()?;
         let unit = if self.from.is_latlong() {

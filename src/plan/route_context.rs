@@ -87,8 +87,7 @@ impl<'a> RouteContext<'a> {
 
     /// Its limits of altitude besides the least height above ground and the ceiling.
     pub(crate) fn layer(&self) -> Layer {
-        let layer = self.world.layers.get(self.index);
-        layer.copied().unwrap_or(Layer::OPEN)
+        self.world.layer(self.index)
     }
 
     /// Its ends in the plane.

@@ -103,7 +103,7 @@ impl System {
 /// no place has, so that its shape is refused by name.
 fn move_to_degrees(at: &mut Position, projection: &Projection) {
     if let [east, north, ..] = at.as_slice_mut() {
-        let place = projection.place(*east, *north);
+        let place = projection.to_lat_lon(*east, *north);
         (*east, *north) =
             place.map_or((f64::NAN, f64::NAN), |place| (place.lon_deg, place.lat_deg));
     }
@@ -115,7 +115,7 @@ fn finer(ring: &mut Vec<Position>, projection: &Projection) {
     for (index, to) in ring.iter().enumerate() {
         let from = index.checked_sub(1).and_then(|before| ring.get(before));
         if let (Some([x0, y0, ..]), [x1, y1, ..]) = (from.map(Position::as_slice), to.as_slice()) {
-            let place = |x: f64, y: f64| projection.place(x, y);
+            let place = |x: f64, y: f64| projection.to_lat_lon(x, y);
             let length_m = place(*x0, *y0).zip(place(*x1, *y1));
             let length_m = length_m.map_or(0.0, |(from, to)| from.chord_m(to));
             #[expect(

@@ -122,9 +122,9 @@ pub struct Retiming {
 }
 
 impl Retiming {
-    /// Whether anything is left open.
+    /// Whether another departure or speed is allowed.
     #[must_use]
-    pub fn is_open(&self) -> bool {
+    pub fn is_allowed(&self) -> bool {
         self.depart_s.is_some() || self.speed_mps.is_some()
     }
 

@@ -198,7 +198,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         area,
         min_agl: scenario.min_agl,
         max_amsl: scenario.max_amsl,
-        layers: vec![Layer::OPEN; scenario.vehicles.len()],
+        layers: vec![Layer::UNLIMITED; scenario.vehicles.len()],
         sites: sites(scenario),
     }
 }

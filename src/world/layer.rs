@@ -13,7 +13,7 @@ pub struct Layer {
 
 impl Layer {
     /// No limits.
-    pub const OPEN: Self = Self {
+    pub const UNLIMITED: Self = Self {
         max_agl_m: f64::INFINITY,
         min_amsl_m: f64::NEG_INFINITY,
     };
@@ -41,8 +41,8 @@ impl Layer {
 
     /// Whether nothing is limited.
     #[must_use]
-    pub fn is_open(&self) -> bool {
-        *self == Self::OPEN
+    pub fn is_unlimited(&self) -> bool {
+        *self == Self::UNLIMITED
     }
 
     /// The least altitude over ground at a height, from that by the height above ground, metres.

@@ -124,6 +124,12 @@ impl Disc {
 }
 
 impl World {
+    /// The limits of altitude of a vehicle besides those of the area.
+    #[must_use]
+    pub fn layer(&self, vehicle: usize) -> Layer {
+        (self.layers.get(vehicle).copied()).unwrap_or(Layer::UNLIMITED)
+    }
+
     /// The world of a spec over a terrain that was read before.
     ///
     /// # Errors

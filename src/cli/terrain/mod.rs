@@ -140,9 +140,11 @@ struct TerrainFile {
     /// Posts without data.
     voids: usize,
     /// Metres above mean sea level; null without any data.
-    lowest_amsl_m: Option<f64>,
+    #[serde(rename = "lowest_amsl_m")]
+    min_amsl_m: Option<f64>,
     /// Metres above mean sea level; null without any data.
-    highest_amsl_m: Option<f64>,
+    #[serde(rename = "highest_amsl_m")]
+    max_amsl_m: Option<f64>,
     /// What its heights refer to.
     datum: String,
 }
@@ -174,8 +176,8 @@ impl TerrainFile {
             row_step_deg: found.row_step_deg,
             column_step_deg: found.column_step_deg,
             voids: found.voids,
-            lowest_amsl_m: found.range.map(|(low, _)| low.0),
-            highest_amsl_m: found.range.map(|(_, high)| high.0),
+            min_amsl_m: found.range.map(|(low, _)| low.0),
+            max_amsl_m: found.range.map(|(_, high)| high.0),
             datum: found.datum.clone(),
         }
     }

@@ -56,7 +56,7 @@ fn resolved_with(
     alone: &[VehiclePlan],
 ) -> Option<Resolved> {
     let mut fleet = spec.vehicles.iter();
-    let retimes = fleet.any(|vehicle| vehicle.retiming.is_open());
+    let retimes = fleet.any(|vehicle| vehicle.retiming.is_allowed());
     let mut conflicts = Conflicts::new((spec, world), alone)?;
     let rng = Seed(seed).stream("deconfliction", u64::from(retimes));
     let mut search = Search::new(&mut conflicts, rng);

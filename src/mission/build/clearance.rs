@@ -145,7 +145,7 @@ mod tests {
         let expected = [1.0, aside, over[0], over[1], over[2]];
         let over_flat = [1.0, aside, 1.0, aside, aside];
         for (world, expected) in [(&world, expected), (&flat, over_flat)] {
-            let found = strictness((world, Layer::OPEN), &route, TOLERANCE_M);
+            let found = strictness((world, Layer::UNLIMITED), &route, TOLERANCE_M);
             for (found, expected) in found.iter().zip(expected) {
                 assert!(
                     (found - expected).abs() < 1e-6 * expected,

@@ -124,7 +124,7 @@ pub fn build_course(
         fleet: spec.vehicles.len(),
     };
     let sites = world.sites.get(vehicle).ok_or_else(no_such)?;
-    let layer = world.layers.get(vehicle).copied().unwrap_or(Layer::OPEN);
+    let layer = world.layer(vehicle);
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
     let (reference, ground) = (spec.mission.altitude, sites.home.amsl);

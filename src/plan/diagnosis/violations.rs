@@ -40,12 +40,9 @@ pub fn violations(
     }
     if plan.terms.terrain > 0.0 {
         let index = (spec.vehicles.iter()).position(|other| other.id == vehicle.id);
-        let layer = index.and_then(|index| world.layers.get(index));
+        let layer = index.map_or(Layer::UNLIMITED, |index| world.layer(index));
         found.extend(too_low_or_high(world, &routes));
-        found.extend(out_of_layer(
-            (world, layer.copied().unwrap_or(Layer::OPEN)),
-            &routes,
-        ));
+        found.extend(out_of_layer((world, layer), &routes));
     }
     let limits = VehicleLimits::of(vehicle);
     if plan.terms.turn > 0.0 {

@@ -163,7 +163,7 @@ impl<'a> Planning<'a> {
     /// around them helps the others.
     pub(super) fn nearness(&self, index: usize) -> Nearness {
         let nearness = nearness(self.spec, self.request.margins_of(index));
-        let clear_m = match self.spec.vehicles[index].retiming.is_open() {
+        let clear_m = match self.spec.vehicles[index].retiming.is_allowed() {
             true => clear_m(nearness.distance_m),
             false => 0.0,
         };

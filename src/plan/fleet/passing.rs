@@ -187,7 +187,7 @@ impl Planning<'_> {
     /// How much of a way breaks a limit in space, metres.
     fn broken_m(&self, index: usize, points: &[PlanPoint]) -> f64 {
         let world = self.world;
-        let layer = world.layers.get(index).copied().unwrap_or(Layer::OPEN);
+        let layer = world.layer(index);
         let limits = (layer, self.request.margins_of(index));
         let mut broken_m = 0.0;
         for pair in points.windows(2) {

@@ -231,7 +231,7 @@ impl<'a> Fleet<'a> {
     }
 
     fn can_retime(&self, index: usize) -> bool {
-        self.planning.spec.vehicles[index].retiming.is_open()
+        self.planning.spec.vehicles[index].retiming.is_allowed()
     }
 
     /// The next candidate of a chain.

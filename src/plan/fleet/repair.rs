@@ -239,7 +239,7 @@ impl<'a> Repair<'a> {
             avoids.extend(self.met(at, &planned.track));
             in_order(&mut avoids);
         }
-        if !self.planning.spec.vehicles[vehicle].retiming.is_open() {
+        if !self.planning.spec.vehicles[vehicle].retiming.is_allowed() {
             avoids.retain(|&other| self.flights[other].is_some());
             return self.searched(pending, vec![(None, avoids)]);
         }

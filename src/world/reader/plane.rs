@@ -25,12 +25,12 @@ impl PlaneLattice {
             self.first.0 + column * self.step.0,
             self.first.1 - row * self.step.1,
         );
-        self.projection.place(east, north)
+        self.projection.to_lat_lon(east, north)
     }
 
     /// Row and column of a place, with fractions.
     pub(super) fn row_column(&self, place: LatLon) -> Option<(f64, f64)> {
-        let (east, north) = self.projection.point(place)?;
+        let (east, north) = self.projection.from_lat_lon(place)?;
         Some((
             (self.first.1 - north) / self.step.1,
             (east - self.first.0) / self.step.0,

@@ -107,7 +107,9 @@ fn ten_far_apart_cost_little_more_than_a_ring_around_the_place_where_they_would_
 #[test]
 fn a_crowd_without_any_plan_ends_with_who_is_in_whose_way() {
     // Neighbours start hardly further apart than they must be, and their ways converge.
-    let found = circle_apart(16, 560, 1);
+    let mut text = head(560, 500, -35.387);
+    write_circle(&mut text, 16);
+    let found = planned(text, 1);
     assert!(!found.review.passes());
     let near = (found.review.margins.iter())
         .filter(|margin| !margin.ok && margin.limit == Limit::Separation);
