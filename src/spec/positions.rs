@@ -1,4 +1,4 @@
-//! Line and column of every value in the YAML text.
+//! Line and column of every key and value in the YAML text.
 //!
 //! A walk over the parser's events: no tree is built and nothing recurses, so
 //! that deep nesting and aliases of aliases end in an error, not in a hang.
@@ -22,10 +22,11 @@ const MAX_NODES: usize = 1_000_000;
 /// Line and column, both from 1.
 pub(super) type Position = (usize, usize);
 
-/// Line and column of every value, by its path (`vehicles[2].start.lat`).
+/// Line and column of every key and value, by its path (`vehicles[2].start.lat`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Positions {
     of: BTreeMap<String, Position>,
+    keys: BTreeMap<String, Position>,
 }
 
 impl Positions {
@@ -45,12 +46,20 @@ impl Positions {
             })?;
             walk.take(event, span)?;
         }
-        Ok(Self { of: walk.positions })
+        Ok(Self {
+            of: walk.positions,
+            keys: walk.keys,
+        })
     }
 
     /// Whether there is a value of exactly this path.
     pub(super) fn has(&self, path: &str) -> bool {
         self.of.contains_key(path)
+    }
+
+    /// The position of the key that ends a path; that of its value where there is no such key.
+    pub(super) fn find_key(&self, path: &str) -> Option<Position> {
+        (self.keys.get(path).copied()).or_else(|| self.find(path))
     }
 
     /// The position of a path; of the nearest value around it where the path itself
@@ -95,6 +104,7 @@ enum Inside {
 #[derive(Debug, Default)]
 struct Walk {
     positions: BTreeMap<String, Position>,
+    keys: BTreeMap<String, Position>,
     open: Vec<Open>,
     documents: usize,
     /// Size of each anchored value, by anchor id.
@@ -172,6 +182,7 @@ impl Walk {
         };
         *key = Some(word.to_owned());
         if keys.insert(word.to_owned()) {
+            self.keys.insert(self.path(), at);
             return Ok(true);
         }
         let found = "this key a second time";

@@ -207,6 +207,16 @@ fn everything_wrong_with_keys_and_types_is_reported_at_once_and_hides_no_meaning
         "{found:#?}"
     );
     assert!(found.is_sorted_by_key(|issue| issue.position), "{paths:?}");
+    // Each unknown key is at itself, not at its value.
+    let line = |at: usize| text.lines().nth(at - 1).unwrap_or_default();
+    for issue in found
+        .iter()
+        .filter(|issue| issue.path.starts_with("threats"))
+    {
+        let (at, column) = issue.position.expect("a position");
+        let key = issue.path.rsplit('.').next().unwrap_or_default();
+        assert!(line(at)[column - 1..].starts_with(key), "{issue:?}");
+    }
     // A key that means nothing hides no missing one.
     let text = FULL.replace("    finish: return\n", "    colour: red\n");
     let found: Vec<String> = issues(&text).into_iter().map(|issue| issue.found).collect();

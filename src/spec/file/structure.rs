@@ -85,7 +85,10 @@ pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRea
         // The position is known of the first one alone: others are of the copy.
         let found = Found::of(&error);
         let issue = first.take().unwrap_or_else(|| Issue {
-            position: positions.find(&found.issue.path),
+            position: match found.kind {
+                Kind::UnknownKey(_) | Kind::OtherUnit(_) => positions.find_key(&found.issue.path),
+                Kind::Missing(_) | Kind::Value => positions.find(&found.issue.path),
+            },
             ..found.issue.clone()
         });
         if !mended.is_removed(&found) {
