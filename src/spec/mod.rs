@@ -41,8 +41,8 @@ mod vehicle;
 mod wind;
 
 pub use crate::autopilot::{Airframe, Autopilot};
-pub(crate) use airspace::dome_of;
 pub use airspace::{AirspaceImport, AttachedFile, Zone};
+pub(crate) use airspace::{dome_of, zone_buffer_key, zone_buffer_m};
 pub use builder::Builder;
 pub use file::partial::{Incomplete, Known, KnownPlace, PlaceKind};
 pub use file::{SpecFile, json_schema};

@@ -16,7 +16,7 @@ use crate::numeric::digits;
 use crate::numeric::geometry::Ring;
 use crate::spec::{
     AltitudeLimits, BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile,
-    TerrainSource, Vehicle, Zone,
+    TerrainSource, Vehicle, Zone, zone_buffer_key, zone_buffer_m,
 };
 
 /// The world of a spec file. Its terrain is read from a path relative to the spec.
@@ -410,7 +410,7 @@ impl Check<'_> {
         let always = spec.no_fly.iter().filter(|zone| zone.active_s.is_none());
         let with_height = always.filter(|zone| zone.floor.is_some() || zone.ceiling.is_some());
         let near = with_height.filter_map(|zone| {
-            let buffer_m = spec.buffers.zones_m.max(zone.buffer_m);
+            let buffer_m = zone_buffer_m(&spec.buffers, zone);
             let outline = spec.frame.outline(&zone.outline());
             let away_m = match super::covers(&outline, point.at) {
                 true => 0.0,
@@ -422,7 +422,7 @@ impl Check<'_> {
             // Either is enough.
             let value_m = away_m.max(past_m);
             let limit = BufferedLimit {
-                key: "zones",
+                key: zone_buffer_key(zone),
                 of: "its outline or height",
                 limit_m: 0.0,
                 buffered_m: buffer_m,

@@ -30,7 +30,9 @@ use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::numeric::geometry::Ring;
-use crate::spec::{Buffers, EndPoint, Finish, MissionSpec, Placement, Task, Threat, Vehicle, Zone};
+use crate::spec::{
+    Buffers, EndPoint, Finish, MissionSpec, Placement, Task, Threat, Vehicle, Zone, zone_buffer_m,
+};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,7 +187,7 @@ impl World {
             false => Buffers::NONE,
         };
         let zone_buffer_m = |zone: &Zone| match is_buffered {
-            true => buffers.zones_m.max(zone.buffer_m),
+            true => zone_buffer_m(&buffers, zone),
             false => 0.0,
         };
         let disc = |threat: &Threat| Disc {

@@ -57,3 +57,32 @@ fn a_dome_that_a_fence_cannot_hold_is_told_once() {
         "threat radar is a dome; a fence has no height and no time, so it is not in the fence";
     assert_eq!(told, [sentence]);
 }
+
+#[test]
+fn a_dome_keeps_the_buffer_of_threats_and_not_that_of_zones() {
+    for (threats_m, zones_m) in [(12.0, 40.0), (40.0, 12.0)] {
+        let line = format!("buffer_m: {{threats: {threats_m}, zones: {zones_m}}}\nplanner:");
+        let text = SPEC
+            .replace("46.99, lon", "46.9975, lon")
+            .replace("planner:", &line);
+        let mission = Mission::parse(".", &text).expect("a good spec");
+        let planned = sortie::plan(&mission);
+        assert!(planned.review.passes(), "{:?}", planned.review.margins);
+        let margins = planned.review.margins.iter();
+        let of_dome = margins.filter(|margin| margin.limit.to_string().contains("radar"));
+        let bounds: Vec<f64> = of_dome.map(|margin| margin.bound).collect();
+        assert!(bounds.len() > 10, "{bounds:?}");
+        let least_and_most = bounds
+            .iter()
+            .fold((f64::MAX, f64::MIN), |(least, most), &of| {
+                (of.min(least), of.max(most))
+            });
+        assert_eq!(least_and_most, (threats_m, threats_m));
+        // It is flown past as near as that allows.
+        let mut margins = planned.review.margins.iter();
+        let is_near = margins.any(|margin| {
+            margin.limit.to_string().contains("radar") && margin.value < threats_m + 8.0
+        });
+        assert!(is_near, "threats {threats_m} m, zones {zones_m} m");
+    }
+}

@@ -18,6 +18,23 @@ pub(crate) fn dome_of(zone: &Zone) -> Option<&str> {
     (!zone.bases.is_empty()).then_some(id)
 }
 
+/// The distance that a plan keeps from a zone, metres: its file may ask for more than the spec, and a dome has the
+/// buffer of threats alone.
+pub(crate) fn zone_buffer_m(buffers: &Buffers, zone: &Zone) -> f64 {
+    match dome_of(zone) {
+        Some(_) => zone.buffer_m,
+        None => buffers.zones_m.max(zone.buffer_m),
+    }
+}
+
+/// The key below `buffer_m` that a zone has its buffer from.
+pub(crate) fn zone_buffer_key(zone: &Zone) -> &'static str {
+    match dome_of(zone) {
+        Some(_) => "threats",
+        None => "zones",
+    }
+}
+
 /// The zones of a dome. They keep the buffer of threats.
 pub(crate) fn dome_layers(threat: &Threat, buffers: &Buffers) -> Vec<Zone> {
     let frame = LocalFrame::new(threat.place);

@@ -6,5 +6,5 @@ mod zone;
 
 pub(super) use attached::read;
 pub use attached::{AirspaceImport, AttachedFile};
-pub(crate) use dome::{dome_layers, dome_of};
+pub(crate) use dome::{dome_layers, dome_of, zone_buffer_key, zone_buffer_m};
 pub use zone::Zone;

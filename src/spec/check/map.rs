@@ -2,7 +2,9 @@
 
 use geo::{Contains, Intersects, Point, Polygon};
 
-use super::super::airspace::{AirspaceImport, AttachedFile, dome_layers};
+use super::super::airspace::{
+    AirspaceImport, AttachedFile, dome_layers, zone_buffer_key, zone_buffer_m,
+};
 use super::super::keys;
 use super::super::{
     AltitudeLimits, Area, BufferedLimit, Buffers, KnownPlace, PlaceKind, Placement, Rally,
@@ -338,8 +340,9 @@ impl Checker {
         let at = [of.plan.east_m, of.plan.north_m];
         let away_m = Ring::around(&outline).boundary_distance(at);
         let from = format!("from no-fly zone `{}`", zone.id);
-        let buffer_m = map.buffers.zones_m.max(zone.buffer_m);
-        let limit = BufferedLimit::beyond(("zones", "its outline"), 0.0, buffer_m);
+        let buffer_m = zone_buffer_m(&map.buffers, zone);
+        let key = zone_buffer_key(zone);
+        let limit = BufferedLimit::beyond((key, "its outline"), 0.0, buffer_m);
         self.buffered(of, (away_m, &from), &limit);
     }
 

@@ -6,7 +6,7 @@
 
 use crate::geodesy::Amsl;
 use crate::mission::VehicleMission;
-use crate::spec::{Placement, Zone};
+use crate::spec::{Placement, Zone, zone_buffer_m};
 
 use super::fence::Fence;
 use super::space::Space;
@@ -68,7 +68,7 @@ impl Space<'_> {
         // The vehicle lands there, from no more than the height of the point.
         let ground_m = at.amsl.0 - agl_m;
         let buffers = self.spec.buffers;
-        let zone_m = |zone: &Zone| buffers.zones_m.max(zone.buffer_m);
+        let zone_m = |zone: &Zone| zone_buffer_m(&buffers, zone);
         let is_under = |zone: &Zone| match floor_over(zone, &self.world.terrain) {
             None => false,
             Some(Placement::Amsl(floor)) => at.amsl.0 < floor.0 - zone_m(zone),

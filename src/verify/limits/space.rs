@@ -2,7 +2,7 @@
 
 use crate::geodesy::{EastNorth, LatLon};
 use crate::path::takeoff_lateness_s;
-use crate::spec::{MissionSpec, Span, Vehicle, Zone};
+use crate::spec::{MissionSpec, Span, Vehicle, Zone, zone_buffer_m};
 use crate::world::{Layer, NoData, World};
 
 use rayon::prelude::*;
@@ -301,7 +301,7 @@ impl<'a> Space<'a> {
         (times, shift_s): (&Times<'_>, Span),
         way: &[Part<'_>],
     ) -> Worst {
-        let min_m = self.spec.buffers.zones_m.max(zone.buffer_m);
+        let min_m = zone_buffer_m(&self.spec.buffers, zone);
         let slack_s = self.spec.separation.time_slack_s;
         let shift_s = Span {
             least: shift_s.least - slack_s,

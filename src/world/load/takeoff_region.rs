@@ -9,7 +9,7 @@ use super::{Check, within};
 use crate::geodesy::{Agl, EastNorth, PlanPoint};
 use crate::numeric::digits;
 use crate::numeric::geometry::{self, Ring};
-use crate::spec::{TakeoffRegion, Vehicle, Zone};
+use crate::spec::{TakeoffRegion, Vehicle, Zone, zone_buffer_m};
 use crate::world::PlanZone;
 
 /// Places in the region over which the ground is looked at are no further apart, metres.
@@ -124,7 +124,7 @@ impl Check<'_> {
         let spec = &self.file.spec;
         let always = spec.no_fly.iter().filter(|zone| zone.active_s.is_none());
         for zone in always {
-            let buffer_m = spec.buffers.zones_m.max(zone.buffer_m);
+            let buffer_m = zone_buffer_m(&spec.buffers, zone);
             let away_m = self.zone_away_m(zone, buffer_m, around.top);
             let needed_m = buffer_m + around.region.reach_m();
             let Some(away_m) = away_m.filter(|m| (buffer_m..needed_m).contains(m)) else {
