@@ -366,7 +366,7 @@ pub(super) fn reason_not_to_replace(target: &Path) -> Option<String> {
     ))
 }
 
-/// Whether `plan` writes a file of this name.
+/// Whether `plan` writes a file of this name, or `certify` does for that plan.
 fn is_plan_output(name: &str) -> bool {
     let fixed = [
         "spec.yaml",
@@ -376,6 +376,7 @@ fn is_plan_output(name: &str) -> bool {
         "fleet.kml",
         "fleet.geojson",
         "timing.json",
+        "certificate.json",
     ];
     let endings = [".waypoints", ".plan", ".params"];
     fixed.contains(&name) || endings.iter().any(|ending| name.ends_with(ending))

@@ -257,6 +257,36 @@ mod tests {
         assert!(home.path().join("thesis.tex").exists());
     }
 
+    /// A plan folder with other files in it.
+    fn planned_with(others: &[&str]) -> tempfile::TempDir {
+        let home = tempfile::tempdir().unwrap();
+        let spec = "sortie: 2\n";
+        let hash = crate::cli::folder::sha256(spec);
+        let plan = format!(r#"{{"sortie": "1", "spec_sha256": "{hash}"}}"#);
+        let files = [("spec.yaml", spec), ("plan.json", &plan)];
+        let others = others.iter().map(|name| (*name, "{}"));
+        for (name, text) in files.into_iter().chain(others) {
+            fs::write(home.path().join(name), text).unwrap();
+        }
+        home
+    }
+
+    #[test]
+    fn a_certified_plan_is_replaced_with_its_certificate() {
+        let home = planned_with(&["certificate.json"]);
+        let folder = NewFolder::next_to(home.path(), reason_not_to_replace).unwrap();
+        folder.write("plan.json", b"{}").unwrap();
+        folder.publish().unwrap();
+        assert!(home.path().join("plan.json").exists());
+        assert!(
+            !home.path().join("certificate.json").exists(),
+            "it is of the old plan"
+        );
+        let foreign = planned_with(&["certificate.json", "thesis.json"]);
+        let reason = reason_not_to_replace(foreign.path()).unwrap();
+        assert!(reason.contains("thesis.json"), "{reason}");
+    }
+
     #[test]
     fn a_file_in_the_way_is_an_error_that_names_it() {
         let home = tempfile::tempdir().unwrap();
