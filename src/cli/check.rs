@@ -7,6 +7,7 @@ use super::args;
 use super::print::console::{note, out_json, out_lines};
 use super::print::failure::Failure;
 use crate::mission;
+use crate::numeric::digits::count;
 use crate::path::lean_note;
 use crate::report::{CheckDocument, CheckedVehicle, ImportEntry};
 use crate::spec::{AirspaceImport, Document, MissionSpec, SpecError, SpecFile, Vehicle};
@@ -80,18 +81,10 @@ fn summary(path: &Path, kind: &str, vehicles: usize, document: &CheckDocument) -
     format!(
         "{}: good{kind}: {}, {}, {}",
         path.display(),
-        count(vehicles, "vehicle", "vehicles"),
-        count(document.threats, "threat", "threats"),
-        count(document.zones, "no-fly zone", "no-fly zones"),
+        count(vehicles, "vehicle"),
+        count(document.threats, "threat"),
+        count(document.zones, "no-fly zone"),
     )
-}
-
-fn count(number: usize, one: &str, many: &str) -> String {
-    if number == 1 {
-        format!("1 {one}")
-    } else {
-        format!("{number} {many}")
-    }
 }
 
 /// Prints what may not be meant.
@@ -105,9 +98,9 @@ fn note_warnings(texts: &[String]) {
     }
 }
 
-/// Warns of speeds that need more lean than a stock vehicle has or that its autopilot does not keep, of
-/// landings with the wind, of places far outside of the area, of files that forbid nothing or would
-/// with their coordinates exchanged, and of values that look like another unit.
+/// What may not be meant: speeds that need more lean than a stock vehicle has or that its autopilot does not keep,
+/// landings with the wind, places far outside of the area, files that forbid nothing or would
+/// with their axes swapped, and values that look like another unit.
 fn warnings(file: &SpecFile, world: &World) -> Vec<String> {
     let spec = &file.spec;
     let fleet = spec.vehicles.iter().zip(&world.sites);

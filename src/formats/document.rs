@@ -105,8 +105,8 @@ impl Document {
             .map(|item| shift_jump(item, -row_shift(autopilot)))
             .collect();
         let other = self.airframe.filter(|file| *file != airframe).map(|file| {
-            format!("the file is for a {file:?}: read as a mission of a {airframe:?}")
-                .to_lowercase()
+            let (file, airframe) = (file.name(), airframe.name());
+            format!("the file is for a {file}: read as a mission of a {airframe}")
         });
         let repairs = self.repairs.iter().map(Repair::to_string);
         let notes = repairs.chain(other).collect();

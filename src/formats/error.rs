@@ -33,11 +33,26 @@ pub enum FormatError {
     #[error("the file has no home position")]
     NoHome,
     /// The file was made for another autopilot.
-    #[error("the file is for {file:?}, the vehicle is {vehicle:?}")]
+    #[error("the file is for {}, the vehicle is {}", file.name(), vehicle.name())]
     OtherAutopilot {
         /// What the file says.
         file: Autopilot,
         /// What was asked for.
         vehicle: Autopilot,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn autopilots_are_named_as_their_developers_write_them() {
+        let error = FormatError::OtherAutopilot {
+            file: Autopilot::ArduPilot,
+            vehicle: Autopilot::Px4,
+        };
+        let expected = "the file is for ArduPilot, the vehicle is PX4";
+        assert_eq!(error.to_string(), expected);
+    }
 }

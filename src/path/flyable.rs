@@ -1,6 +1,6 @@
 //! What a copter needs to fly its speed: a lean angle, and how that is known.
 
-use crate::autopilot::{COPTER_LEAN, PX4_LEAN};
+use crate::autopilot::{COPTER_LEAN, PX4_LEAN, name_in};
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 
 /// What an operator must know of a copter that flies faster through the air than a stock one of its
@@ -17,7 +17,7 @@ pub fn lean_note(spec: &MissionSpec, vehicle: &Vehicle, ground_mps: f64) -> Opti
     let behaviour = &facts.behaviour;
     let reached = behaviour.lean_speed_mps.of(vehicle.autopilot_version)?;
     let lean = match vehicle.autopilot {
-        Autopilot::ArduPilot => COPTER_LEAN[1],
+        Autopilot::ArduPilot => name_in(COPTER_LEAN[1], vehicle.autopilot_version),
         Autopilot::Px4 => PX4_LEAN,
     };
     let (id, firmware, version) = (&vehicle.id, facts.firmware, reached.version);
@@ -48,4 +48,38 @@ pub fn lean_note(spec: &MissionSpec, vehicle: &Vehicle, ground_mps: f64) -> Opti
         "{air}: the parameters allow {lean_deg:.0} degrees of lean ({lean}) instead of {stock_deg:.0}{suffices}; a stock \
          {firmware} {version} reached {reached} at {stock_deg:.0}, and drag is taken to grow with the square of the speed"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::SpecFile;
+
+    #[test]
+    fn the_note_names_the_lean_parameter_as_the_version_of_the_spec_does() {
+        let note = |version: &str| {
+            let text = format!(
+                "
+sortie: 2
+name: lean
+area: {{south_west: {{lat: 36.28, lon: -84.30}}, north_east: {{lat: 36.32, lon: -84.22}}, min_agl_m: 30, max_amsl_m: 900}}
+terrain: {{flat: {{amsl_m: 400}}}}
+vehicles:
+  - {{id: alpha, sysid: 1, autopilot: ardupilot, {version}link: sim, speed_mps: 12, finish: land,
+     start: {{lat: 36.30, lon: -84.28, agl_m: 80}}, goal: {{lat: 36.30, lon: -84.23, agl_m: 80}}}}
+"
+            );
+            let file = SpecFile::parse(std::path::Path::new("lean.yaml"), text);
+            let spec = file.expect("a spec").spec;
+            lean_note(&spec, &spec.vehicles[0], 20.0).expect("it is fast")
+        };
+        for (version, name) in [
+            ("autopilot_version: \"4.7\", ", "(ATC_ANGLE_MAX)"),
+            ("autopilot_version: \"4.6\", ", "(ANGLE_MAX)"),
+            ("", "(ANGLE_MAX)"),
+        ] {
+            let note = note(version);
+            assert!(note.contains(name), "{note}");
+        }
+    }
 }

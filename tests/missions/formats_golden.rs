@@ -185,7 +185,7 @@ fn a_file_without_home_or_for_another_autopilot_is_no_mission() {
     let error = document
         .into_mission(Autopilot::ArduPilot, Airframe::Copter)
         .expect_err("PX4");
-    assert!(error.to_string().contains("Px4"), "{error}");
+    assert!(error.to_string().contains("PX4"), "{error}");
 }
 
 /// A plan with these items and nothing else.

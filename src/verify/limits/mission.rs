@@ -12,7 +12,7 @@ mod param_fence;
 mod stops;
 pub(crate) mod tasks;
 
-use crate::autopilot::{ParameterRow, command_row, parameter};
+use crate::autopilot::{Airframe, ParameterRow, command_row, name_in, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, MissionType, VehicleMission, as_set, command};
 use crate::numeric::digits::float32;
@@ -155,7 +155,11 @@ impl MissionCheck<'_> {
         let is = (self.mission.autopilot, self.mission.airframe);
         let spec = (self.vehicle.autopilot, self.vehicle.airframe);
         (is != spec).then(|| {
-            let why = format!("the mission is for {is:?}, the spec says {spec:?}");
+            let named = |(autopilot, airframe): (Autopilot, Airframe)| {
+                format!("a {} of {}", airframe.name(), autopilot.name())
+            };
+            let (is, spec) = (named(is), named(spec));
+            let why = format!("the mission is for {is}, the spec says {spec}");
             Margin::unjudged(self.id(), Limit::Autopilot, why)
         })
     }
@@ -290,11 +294,8 @@ impl MissionCheck<'_> {
 
     /// Why a speed is not known.
     fn why_no_speed(&self) -> String {
-        let name = if self.vehicle.airframe.has_wing() {
-            "AIRSPEED_CRUISE"
-        } else {
-            "WPNAV_SPEED"
-        };
+        let name = self.mission.facts().defaults.cruise_parameter;
+        let name = name_in(name, self.mission.autopilot_version);
         let held = self.held_speeds();
         let beyond = held.map_or_else(String::new, |held| format!(" within {held}"));
         format!(
