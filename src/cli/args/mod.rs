@@ -88,7 +88,7 @@ pub(super) enum Command {
     Migrate(Migrate),
     /// Print the JSON Schema of the spec, or of a document
     Schema {
-        /// Which
+        /// What the schema is of
         #[arg(default_value = "spec")]
         name: SchemaName,
     },
@@ -203,7 +203,7 @@ pub(super) enum SchemaName {
     Certificate,
     /// What `check --json` prints
     Check,
-    /// What `convert --json` prints
+    /// What `convert --json` prints of a mission file
     Convert,
     /// What `terrain info --json` prints
     Terrain,

@@ -129,7 +129,7 @@ struct TerrainFile {
     south_west: Corner,
     /// Its north-east corner.
     north_east: Corner,
-    /// Posts from south to north.
+    /// Posts from north to south.
     rows: usize,
     /// Posts from west to east.
     columns: usize,
