@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn a_name_means_the_same_in_every_table() {
         let tables = [
-            ARDUCOPTER, ARDUPLANE, QUADPLANE, PX4_ROTORS, PX4_WING, PX4_VTOL,
+            ARDUCOPTER, ARDUPLANE, QUADPLANE, PX4_ROTORS, PX4_WING, PX4_VTOL, PX4_COPTER,
         ];
         for row in tables.into_iter().flatten() {
             let found = parameter(row.name).expect("it is in a table");

@@ -275,16 +275,19 @@ impl<'a> JointPlan<'a> {
             let mut route = self.route(state, piece);
             if let Some(before) = routes.last() {
                 let begin = (before.end_s() + own.rest_after_s(number - 1), 0.0);
-                route.path = time_route_from(piece, begin, own.speed_mps, own.accel_mps2);
+                let speed_mps = own.on_route(number).speed_mps;
+                route.path = time_route_from(piece, begin, speed_mps, own.accel_mps2);
             }
             routes.push(route);
         }
         routes
     }
 
-    /// A path of the last vehicle that was added, timed from its departure.
+    /// A path of the last vehicle that was added, timed from its departure at the speed that it has
+    /// by then: a stop behind it may have set another one than the spec.
     fn route(&self, state: &VehicleState, path: &[PlanPoint]) -> Route {
-        let vehicle = self.vehicle(state);
+        let added = self.spec.vehicles.last();
+        let vehicle = added.unwrap_or_else(|| self.vehicle(state));
         let departure = self.world.sites.last().map(|of| of.departure);
         let begin = match departure.unwrap_or_default() {
             Departure::Airborne {

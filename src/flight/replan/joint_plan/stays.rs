@@ -38,6 +38,14 @@ pub(super) fn drop_last_trigger(items: &mut Vec<Item>) {
     }
 }
 
+/// The speed that the items of a place set for the way from there, m/s, if they do.
+pub(super) fn speed_after_mps(items: &[Item]) -> Option<f64> {
+    let changes = items.iter().rev();
+    let mut changes = changes.filter(|item| item.command == command::DO_CHANGE_SPEED);
+    let speed_mps = changes.next().map(|item| f64::from(item.params[1]));
+    speed_mps.filter(|speed_mps| *speed_mps > 0.0)
+}
+
 /// How long a vehicle is at the items of a place, seconds: its holds, and its ways down and up.
 pub(super) fn rest_s(items: &[Item], vehicle: &Vehicle) -> f64 {
     let waypoints = items

@@ -16,7 +16,7 @@ const SAME_M: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Via {
     /// Index into `ahead` of its first waypoint.
-    pub(super) first: usize,
+    pub(in crate::flight::replan) first: usize,
     /// What is done there, as it is on board with altitudes AMSL: holds and actions.
     pub(in crate::flight::replan) items: Vec<Item>,
     /// Where.
