@@ -171,7 +171,8 @@ impl Ball {
     }
 
     fn gap_m(&self, other: &Self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.center_m[axis] - other.center_m[axis])
+        let side = |axis: usize| self.center_m[axis] - other.center_m[axis];
+        [side(0), side(1), side(2)]
     }
 }
 

@@ -20,7 +20,7 @@ impl Gap {
     }
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -45,9 +45,24 @@ impl Region {
         self.count == 0
     }
 
-    fn edges(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
-        let next = self.corners().iter().cycle().skip(1);
-        self.corners().iter().copied().zip(next.copied())
+    /// Calls `see` with the value at each corner and at the next, and with both.
+    fn each_edge<T: Copy>(
+        &self,
+        value: impl Fn([f64; 2]) -> T,
+        mut see: impl FnMut(([f64; 2], T), ([f64; 2], T)),
+    ) {
+        let corners = self.corners();
+        let Some(&first) = corners.first() else {
+            return;
+        };
+        let first = (first, value(first));
+        let mut from = first;
+        for &corner in &corners[1..] {
+            let to = (corner, value(corner));
+            see(from, to);
+            from = to;
+        }
+        see(from, first);
     }
 
     /// The part where `value(t, u) <= 0`, for an affine value given at each corner.
@@ -62,8 +77,7 @@ impl Region {
                 part.count += 1;
             }
         };
-        for (from, to) in self.edges() {
-            let (at_from, at_to) = (value(from), value(to));
+        self.each_edge(value, |(from, at_from), (to, at_to)| {
             if at_from <= TOLERANCE {
                 push(from);
             }
@@ -74,7 +88,7 @@ impl Region {
                     from[1] + share * (to[1] - from[1]),
                 ]);
             }
-        }
+        });
         part
     }
 }
@@ -190,10 +204,9 @@ impl Pair {
                 best = (dot(&there, &there).sqrt(), stationary);
             }
         }
-        region
-            .edges()
-            .map(|(from, to)| {
-                let (gap_from, gap_to) = (gap.at(from), gap.at(to));
+        region.each_edge(
+            |at| gap.at(at),
+            |(from, gap_from), (to, gap_to)| {
                 let along = minus(gap_to, gap_from);
                 let length_sq = dot(&along, &along);
                 let share = if length_sq > 0.0 {
@@ -206,11 +219,12 @@ impl Pair {
                     from[1] + share * (to[1] - from[1]),
                 ];
                 let there = gap.at(at);
-                (dot(&there, &there).sqrt(), at)
-            })
-            .fold(
-                best,
-                |best, found| if found.0 < best.0 { found } else { best },
-            )
+                let length_m = dot(&there, &there).sqrt();
+                if length_m < best.0 {
+                    best = (length_m, at);
+                }
+            },
+        );
+        best
     }
 }

@@ -1,6 +1,7 @@
 //! Bounds that drop motions before their closest approach is looked for: one motion over several,
 //! and whether two may come near each other at all.
 
+use super::pair::minus;
 use super::{ROUNDING_M, Segment, shared_s};
 
 /// One motion over several, and the furthest that these are from it at the same time, metres.
@@ -104,8 +105,8 @@ pub fn may_be_near(
     // Two that stay for ever are where they are at the beginning.
     let lasts_s = if t1.is_finite() { t1 - t0 } else { 0.0 };
     let (p, q) = (a.at(t0), b.at(t0));
-    let apart = [0, 1, 2].map(|axis| p[axis] - q[axis]);
-    let moving = [0, 1, 2].map(|axis| a.velocity_mps[axis] - b.velocity_mps[axis]);
+    let apart = minus(p, q);
+    let moving = minus(a.velocity_mps, b.velocity_mps);
     let [east_mps, north_mps, up_mps] = b.velocity_mps;
     let mut times = Some((0.0, lasts_s));
     times = within(
