@@ -22,6 +22,14 @@ const AT_WALL_SHARE: f64 = 1.0;
 /// Nodes this near to an end are open, in cells: an end may lie within a margin.
 const AT_ENDS_CELLS: f64 = 1.5;
 
+/// Columns and rows of nodes that are looked at together.
+const BLOCK: usize = 16;
+/// More than rounding takes from a distance, metres.
+const ROUNDING_M: f64 = 1e-6;
+
+/// First and last column, first and last row of nodes.
+type NodeBox = [(usize, usize); 2];
+
 /// Which zones with a floor or a ceiling are open to a route; the others are closed at all altitudes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Passing {
@@ -74,9 +82,9 @@ impl FreeSpace {
         space.close_outside(context);
         let near_m = AT_ENDS_CELLS * space.grid.spacing_m;
         for end in [context.ends.from.at, context.ends.to.at] {
-            for (node, clearance_m) in space.clearance_m.iter_mut().enumerate() {
+            for node in space.nodes_around(plane(end), plane(end), near_m) {
                 if space.grid.at(node).distance_m(end) < near_m {
-                    *clearance_m = clearance_m.max(1e-3);
+                    space.clearance_m[node] = space.clearance_m[node].max(1e-3);
                 }
             }
         }
@@ -109,14 +117,8 @@ impl FreeSpace {
         let min_room_m = room_m(from).min(room_m(to));
         let margin_m = zone.buffer_m + context.margins.threat_m.min(min_room_m);
         let (low, high) = ring.bounds();
-        let nodes = self.nodes_around(low, high, margin_m + self.reach_m);
-        let distances: Vec<f64> = nodes
-            .par_iter()
-            .map(|&node| signed_distance_m(&ring, self.grid.at(node)) - margin_m)
-            .collect();
-        for (node, away_m) in nodes.into_iter().zip(distances) {
-            self.clearance_m[node] = self.clearance_m[node].min(away_m);
-        }
+        let near = self.box_around(low, high, margin_m + self.reach_m);
+        self.come_no_nearer(near, |at| signed_distance_m(&ring, at) - margin_m);
         for node in crossed_nodes(&self.grid, zone) {
             self.clearance_m[node] = self.clearance_m[node].min(0.0);
         }
@@ -181,12 +183,41 @@ impl FreeSpace {
 
     fn close_outside(&mut self, context: &RouteContext<'_>) {
         let ring = Ring::around(&context.world.area);
-        let away_m: Vec<f64> = (0..self.grid.len())
-            .into_par_iter()
-            .map(|node| -signed_distance_m(&ring, self.grid.at(node)))
-            .collect();
-        for (clearance_m, away_m) in self.clearance_m.iter_mut().zip(away_m) {
-            *clearance_m = clearance_m.min(away_m);
+        let all = [(0, self.grid.columns - 1), (0, self.grid.rows - 1)];
+        self.come_no_nearer(all, |at| -signed_distance_m(&ring, at));
+    }
+
+    /// Takes a clearance where it is less, which changes by no more than the way between two places:
+    /// blocks of nodes whose middle is far enough away are passed over.
+    fn come_no_nearer(
+        &mut self,
+        [columns, rows]: NodeBox,
+        away_m: impl Fn(EastNorth) -> f64 + Sync,
+    ) {
+        let blocks = spans(rows)
+            .flat_map(|rows| spans(columns).map(move |columns| [columns, rows]))
+            .collect::<Vec<NodeBox>>();
+        let (grid, reach_m) = (&self.grid, self.reach_m);
+        let node = |column: usize, row: usize| row * grid.columns + column;
+        let nearer = |[columns, rows]: &NodeBox| {
+            let (low, high) = (
+                grid.at(node(columns.0, rows.0)),
+                grid.at(node(columns.1, rows.1)),
+            );
+            let middle = EastNorth {
+                east_m: 0.5 * (low.east_m + high.east_m),
+                north_m: 0.5 * (low.north_m + high.north_m),
+            };
+            if away_m(middle) - 0.5 * low.distance_m(high) > reach_m + ROUNDING_M {
+                return Vec::new();
+            }
+            let nodes = (rows.0..=rows.1)
+                .flat_map(|row| (columns.0..=columns.1).map(move |column| node(column, row)));
+            nodes.map(|node| (node, away_m(grid.at(node)))).collect()
+        };
+        let found: Vec<Vec<(usize, f64)>> = blocks.par_iter().map(nearer).collect();
+        for (node, away_m) in found.into_iter().flatten() {
+            self.clearance_m[node] = self.clearance_m[node].min(away_m);
         }
     }
 
@@ -255,19 +286,31 @@ impl FreeSpace {
 
     /// The nodes of a box and `around_m` around it.
     fn nodes_around(&self, low: Point, high: Point, around_m: f64) -> Vec<usize> {
-        let grid = &self.grid;
-        let corner = |[east_m, north_m]: Point, by_m: f64| EastNorth {
-            east_m: east_m + by_m,
-            north_m: north_m + by_m,
-        };
-        let (first, last) = (
-            grid.column_row(grid.nearest(corner(low, -around_m))),
-            grid.column_row(grid.nearest(corner(high, around_m))),
-        );
-        let rows = first.1..=last.1;
-        rows.flat_map(|row| (first.0..=last.0).map(move |column| row * grid.columns + column))
+        let [columns, rows] = self.box_around(low, high, around_m);
+        let count = self.grid.columns;
+        (rows.0..=rows.1)
+            .flat_map(|row| (columns.0..=columns.1).map(move |column| row * count + column))
             .collect()
     }
+
+    /// The columns and rows of a box and `around_m` around it.
+    fn box_around(&self, low: Point, high: Point, around_m: f64) -> NodeBox {
+        let corner = |[east_m, north_m]: Point, by_m: f64| {
+            let at = EastNorth {
+                east_m: east_m + by_m,
+                north_m: north_m + by_m,
+            };
+            self.grid.column_row(self.grid.nearest(at))
+        };
+        let (first, last) = (corner(low, -around_m), corner(high, around_m));
+        [(first.0, last.0), (first.1, last.1)]
+    }
+}
+
+/// Parts of a span of columns or rows.
+fn spans((first, last): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+    let firsts = (first..=last).step_by(BLOCK);
+    firsts.map(move |first| (first, (first + BLOCK - 1).min(last)))
 }
 
 /// Distance to a ring, negative inside.
