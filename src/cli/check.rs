@@ -18,17 +18,9 @@ use crate::world::{self, World};
 const MAX_LISTED: usize = 20;
 
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
-    let checked = checked(&arguments.spec);
+    let (document, lines) = checked(&arguments.spec)?;
     if arguments.json {
-        let document = match &checked {
-            Ok((document, _)) => document,
-            Err(error) => &CheckDocument::of_issues(&error.issues),
-        };
-        out_json(document)?;
-    }
-    let (document, lines) = checked?;
-    if arguments.json {
-        return Ok(());
+        return out_json(&document);
     }
     note_warnings(&document.warnings);
     out_lines(&lines)

@@ -28,7 +28,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches};
 
 use args::{Arguments, Command};
-use print::console::{note, note_lines, out_text};
+use print::console::{note, note_lines, out_json, out_text};
 use print::failure::Failure;
 
 /// The arguments of a command line. Every option takes a negative number as its value, so that its
@@ -67,7 +67,24 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::SUCCESS;
         }
     };
-    let done = match &parsed.command {
+    match execute(&parsed.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            if failure.code == Failure::INPUT && parsed.command.prints_json() {
+                // Where that cannot be written, the lines say it all.
+                let _ = out_json(&failure.document());
+            }
+            if !failure.message.is_empty() {
+                note(&failure.message);
+            }
+            note_lines(&failure.more);
+            failure.code.into()
+        }
+    }
+}
+
+fn execute(command: &Command) -> Result<(), Failure> {
+    match command {
         Command::Plan(arguments) => plan::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Certify(arguments) => costs::certify::run(arguments),
@@ -95,16 +112,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 &mut completions,
             );
             out_text(&String::from_utf8_lossy(&completions))
-        }
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            if !failure.message.is_empty() {
-                note(&failure.message);
-            }
-            note_lines(&failure.more);
-            failure.code.into()
         }
     }
 }

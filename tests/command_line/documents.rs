@@ -182,9 +182,22 @@ fn a_bad_spec_is_one_document_of_every_problem_with_its_place() {
         .replace("sysid: 2", "sysid: 1")
         .replace("max_amsl_m: 800", "max_amsl_m: 310");
     fs::write(folder.path().join("pair.yaml"), bad).expect("the spec is written");
-    let output = sortie(folder.path(), &["check", "pair.yaml", "--json"]);
-    assert_eq!(output.status.code(), Some(3));
+    let printed = |arguments: &[&str]| {
+        let output = sortie(folder.path(), &[arguments, &["--json"]].concat());
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}");
+        output
+    };
+    let output = printed(&["check", "pair.yaml"]);
     let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let same: [&[&str]; 3] = [
+        &["plan", "pair.yaml"],
+        &["review", "pair.yaml"],
+        &["certify", "pair.yaml", "out"],
+    ];
+    for arguments in same {
+        let other = printed(arguments);
+        assert_eq!(text(&other.stdout), text(&output.stdout), "{arguments:?}");
+    }
     is_of_schema(&document, "check");
     assert_eq!(document["verdict"], "fail");
     let issues = document["issues"].as_array().expect("a list");
@@ -195,4 +208,20 @@ fn a_bad_spec_is_one_document_of_every_problem_with_its_place() {
     let twice = twice.expect("the sysid is there twice");
     assert_eq!(twice["line"], 11);
     assert_eq!(text(&output.stderr).lines().count(), issues.len());
+}
+
+#[test]
+fn a_bad_input_file_is_one_document_as_well() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("alpha.waypoints"), "no mission").expect("a file is written");
+    let output = sortie(folder.path(), &["review", "alpha.waypoints", "--json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    is_of_schema(&document, "check");
+    let issue = &document["issues"][0]["found"];
+    let line = text(&output.stderr);
+    assert!(
+        issue.is_string() && line.contains(issue.as_str().unwrap_or_default()),
+        "{issue}, {line}"
+    );
 }

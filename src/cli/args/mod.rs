@@ -105,6 +105,20 @@ pub(super) enum Command {
     },
 }
 
+impl Command {
+    /// Whether it prints one document, and has not yet where a spec or an input file turns out to be bad.
+    pub(super) fn prints_json(&self) -> bool {
+        match self {
+            Self::Plan(of) => of.json,
+            Self::Check(of) => of.json,
+            Self::Review(of) => of.json,
+            Self::Upload(of) => of.json,
+            Self::Certify(of) => of.json,
+            _ => false,
+        }
+    }
+}
+
 #[derive(Debug, clap::Args)]
 pub(super) struct New {
     /// Name of the mission; the file is NAME.yaml

@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use crate::flight::FlightError;
 use crate::formats::OutputError;
-use crate::spec::SpecError;
+use crate::report::CheckDocument;
+use crate::spec::{Issue, SpecError};
 
 /// A failed command: its exit code, and what stderr says of it.
 #[derive(Debug)]
@@ -14,6 +15,8 @@ pub(crate) struct Failure {
     pub(crate) message: String,
     /// Further problems, a line each.
     pub(crate) more: Vec<String>,
+    /// The problems of a spec that these lines are.
+    issues: Vec<Issue>,
 }
 
 /// An exit code of the contract.
@@ -55,6 +58,7 @@ impl Failure {
             code,
             message: message.into(),
             more: Vec::new(),
+            issues: Vec::new(),
         }
     }
 
@@ -65,6 +69,23 @@ impl Failure {
             code,
             message: problems.next().unwrap_or_default(),
             more: problems.collect(),
+            issues: Vec::new(),
+        }
+    }
+
+    /// What `--json` prints instead of its document where a spec or an input file is bad.
+    pub(crate) fn document(&self) -> CheckDocument {
+        let lines = std::iter::once(&self.message).chain(&self.more);
+        let of_line = |line: &String| Issue {
+            path: String::new(),
+            table: None,
+            position: None,
+            found: line.clone(),
+            allowed: String::new(),
+        };
+        match self.issues.as_slice() {
+            [] => CheckDocument::of_issues(&lines.map(of_line).collect::<Vec<_>>()),
+            issues => CheckDocument::of_issues(issues),
         }
     }
 }
@@ -72,7 +93,11 @@ impl Failure {
 impl From<SpecError> for Failure {
     fn from(error: SpecError) -> Self {
         // The spec's own text is escaped: each line is one problem.
-        Self::all(Self::INPUT, error.to_string().lines().map(str::to_owned))
+        let lines = error.to_string();
+        Self {
+            issues: error.issues,
+            ..Self::all(Self::INPUT, lines.lines().map(str::to_owned))
+        }
     }
 }
 
