@@ -115,20 +115,20 @@ impl<'a> Legs<'a> {
         for from in 0..last {
             for (index, leg) in self.from[from].iter().enumerate() {
                 let here = std::mem::take(&mut ways[from][index]);
-                for (number, way) in here.iter().enumerate() {
-                    let name = Name {
-                        from,
-                        leg: index,
-                        way: number,
-                    };
-                    if leg.to == last {
+                let named = |way: usize| Name {
+                    from,
+                    leg: index,
+                    way,
+                };
+                if leg.to == last {
+                    for (number, way) in here.iter().enumerate() {
                         let cost = way.cost + MISFIT_COST * (way.used_m - leg.length_m).max(0.0);
                         if best.is_none_or(|(least, _)| cost < least) {
-                            best = Some((cost, name));
+                            best = Some((cost, named(number)));
                         }
-                    } else {
-                        self.continue_way(way, leg, name, &mut ways[leg.to]);
                     }
+                } else {
+                    self.continue_ways((&here, &named), leg, &mut ways[leg.to]);
                 }
                 ways[from][index] = here;
             }
@@ -145,22 +145,29 @@ impl<'a> Legs<'a> {
         (indices, misfit_m)
     }
 
-    /// Offers a way to every leg that begins where its last one ends.
-    fn continue_way(&self, way: &Way, leg: &Leg, name: Name, onward_ways: &mut [Vec<Way>]) {
+    /// Offers the ways over a leg, by their names, to every leg that begins where it ends.
+    fn continue_ways(
+        &self,
+        (here, named): (&[Way], &impl Fn(usize) -> Name),
+        leg: &Leg,
+        onward_ways: &mut [Vec<Way>],
+    ) {
         for (onward, ways) in self.from[leg.to].iter().zip(onward_ways) {
             let corner = Corner::between(leg, onward, self.keep.limits.turn_radius_m);
-            let too_long_m = way.used_m + corner.used_m - leg.length_m;
             let too_far_m = leg.strictness * corner.cut_m + leg.deviation_m.max(onward.deviation_m)
                 - self.keep.tolerance_m;
-            let misfit_m = too_long_m.max(0.0) + too_far_m.max(0.0) + onward.too_steep_m;
-            offer(
-                ways,
-                Way {
-                    cost: way.cost + 1.0 + MISFIT_COST * misfit_m,
-                    used_m: corner.used_m,
-                    before: Some(name),
-                },
-            );
+            for (number, way) in here.iter().enumerate() {
+                let too_long_m = way.used_m + corner.used_m - leg.length_m;
+                let misfit_m = too_long_m.max(0.0) + too_far_m.max(0.0) + onward.too_steep_m;
+                offer(
+                    ways,
+                    Way {
+                        cost: way.cost + 1.0 + MISFIT_COST * misfit_m,
+                        used_m: corner.used_m,
+                        before: Some(named(number)),
+                    },
+                );
+            }
         }
     }
 }
