@@ -186,7 +186,7 @@ mod tests {
             .collect();
         assert_eq!(
             paths,
-            ["planner.samples", "vehicles[1].sysid", "vehicles[0]"]
+            ["planner.samples", "vehicles[1].sysid", "vehicles[0].goal"]
         );
     }
 }

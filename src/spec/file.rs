@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::airspace::{self, AirspaceImport, AttachedFile};
 use super::builder::Builder;
 use super::check;
-use super::keys;
+use super::keys::{self, schema};
 use super::positions::Positions;
 use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
@@ -49,7 +49,8 @@ impl SpecFile {
     pub fn to_builder(&self) -> Result<Builder, SpecError> {
         let yaml = self.text.strip_prefix('\u{feff}').unwrap_or(&self.text);
         let keys = serde_yaml::from_str::<keys::Spec>(yaml);
-        let keys = keys.map_err(|error| self.error(vec![structure::problem(&error)]))?;
+        let keys =
+            keys.map_err(|error| self.error(vec![structure::problem(&error, schema::of_spec())]))?;
         Ok(keys.into())
     }
 

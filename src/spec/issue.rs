@@ -4,16 +4,19 @@ use std::fmt;
 
 use crate::numeric::text::escaped;
 
+/// How the parser, and the check, name a missing key.
+pub(super) const MISSING: &str = "missing field `";
+
 /// One problem of a spec.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Issue {
-    /// Path in the YAML, such as `vehicles[2].start.lat`; empty for the whole file. In a
+    /// Path in the YAML, such as `vehicles[2].start.lat`, also of a key that is missing; empty for the whole file. In a
     /// table the name of the column; empty for the whole row.
     pub path: String,
     /// The table in which the problem stands; none: in the spec itself.
     pub table: Option<String>,
-    /// Line and column, from 1; absent if unknown. In a table the row,
+    /// Line and column, from 1; absent if unknown. Of a missing key those of the keys around it. In a table the row,
     /// which is the line, and the number of the column, 0 for the whole row.
     pub position: Option<(usize, usize)>,
     /// What was found.

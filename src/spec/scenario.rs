@@ -132,8 +132,10 @@ impl Scenario {
         };
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(text);
         let positions = Positions::read(yaml).map_err(|issue| error(vec![issue]))?;
-        let keys: keys::Scenario = serde_yaml::from_str(yaml)
-            .map_err(|problem| error(vec![file::structure::problem(&problem)]))?;
+        let keys: keys::Scenario = serde_yaml::from_str(yaml).map_err(|problem| {
+            let schema = schemars::schema_for!(keys::Scenario).to_value();
+            error(vec![file::structure::problem(&problem, &schema)])
+        })?;
         check::scenario(&keys, positions).map_err(error)
     }
 

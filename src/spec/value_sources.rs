@@ -1,7 +1,8 @@
 //! Where the values of a spec stand: in the YAML, and for a vehicle that `fleet` makes in
 //! its table, its grid or its defaults.
 
-use super::Issue;
+use super::issue::{Issue, MISSING};
+use super::keys::schema;
 use super::positions::Positions;
 use super::table::{Row, Table};
 
@@ -66,11 +67,13 @@ impl ValueSources {
         }
     }
 
-    /// A key that is missing below a path such as `vehicles[7].start`.
+    /// A key that is missing below a path such as `vehicles[7].start`, and what the schema allows there.
     pub(super) fn missing(&self, path: &str, key: &str) -> Issue {
         let whole = format!("{path}.{key}");
         let Some((made, key)) = self.made(&whole) else {
-            return self.in_file(path, format!("missing field `{key}`"), String::new());
+            let found = format!("{MISSING}{key}`");
+            let allowed = schema::allowed_at(schema::of_spec(), &whole);
+            return self.in_file(&whole, found, allowed);
         };
         let column = key.replace('.', "_");
         let names = &self.table.columns;

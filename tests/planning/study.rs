@@ -125,6 +125,12 @@ fn what_is_wrong_with_a_scenario_is_said_with_its_place() {
         ),
         ("frame: local", "frame: global", "frame"),
         ("control_points: 5", "control_pints: 5", "control_pints"),
+        // What a scenario allows there, not a spec.
+        (
+            "sortie: 1\n",
+            "",
+            "sortie: missing field `sortie` (allowed: 1)",
+        ),
     ] {
         let text = good.replacen(from, to, 1);
         assert_ne!(text, good, "{from}");

@@ -72,13 +72,13 @@ fn what_is_wrong_with_an_area_is_reported_at_its_place() {
         ),
         (
             survey(&format!("{POLYGON}, {CAMERA}")),
-            "tasks[0].survey",
-            "agl_m",
+            "tasks[0].survey.agl_m",
+            "missing field",
         ),
         (
             survey(&format!("{CAMERA}, agl_m: 80")),
-            "tasks[0].survey",
-            "polygon",
+            "tasks[0].survey.polygon",
+            "missing field",
         ),
         (
             survey(&format!("{POLYGON}, {CAMERA}, agl_m: 45")),
@@ -118,8 +118,8 @@ fn what_is_wrong_with_an_area_is_reported_at_its_place() {
         ),
         (
             survey(&format!("{POLYGON}, camera: {{}}, agl_m: 80")),
-            "tasks[0].survey.camera",
-            "fov_deg",
+            "tasks[0].survey.camera.fov_deg",
+            "missing field",
         ),
         (
             survey(&format!(
@@ -178,8 +178,8 @@ fn what_is_wrong_with_an_area_is_reported_at_its_place() {
         ),
         (
             search("pattern: parallel_track, leg_m: 100, legs: 4"),
-            "tasks[0].search",
-            "spacing_m",
+            "tasks[0].search.spacing_m",
+            "missing field",
         ),
         (
             search("pattern: expanding_square, leg_m: 5000, legs: 9"),

@@ -156,7 +156,8 @@ fn sites_of_a_vehicle_are_judged_whatever_its_other_keys_are() {
             "    finish: crash\n",
             "vehicles[1].finish",
         ),
-        ("    autopilot: px4\n", "", "vehicles[1]"),
+        ("    autopilot: px4\n", "", "vehicles[1].autopilot"),
+        ("  max_amsl_m: 1500\n", "", "area.max_amsl_m"),
         ("sysid: 2\n", "sysid: two\n", "vehicles[1].sysid"),
         (
             "    link: tcp:127.0.0.1:5760\n",

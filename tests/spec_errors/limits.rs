@@ -79,8 +79,8 @@ fn an_endurance_has_one_capacity_and_ascending_speeds() {
         ("{}", "endurance"),
         ("{time_s: 100, range_m: 1000}", "endurance"),
         ("{time_s: 100, reserve: 1.5}", "endurance.reserve"),
-        ("{energy: {hover_w: 400}}", "endurance.energy"),
-        ("{energy: {wh: 10}}", "endurance.energy"),
+        ("{energy: {hover_w: 400}}", "endurance.energy.wh"),
+        ("{energy: {wh: 10}}", "endurance.energy.hover_w"),
         (
             "{energy: {wh: 10, hover_w: 9, cruise: [[9, 1], [8, 1]]}}",
             "endurance.energy.cruise[1]",

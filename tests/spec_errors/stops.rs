@@ -27,8 +27,11 @@ fn stops_are_read_and_a_vehicle_without_a_goal_ends_at_its_start() {
     let alpha = &good(&round).vehicles[0];
     assert_eq!(alpha.goal, alpha.start);
     let (path, text) = only(GOAL, "");
-    assert_eq!(path, "vehicles[0]");
-    assert!(text.contains("goal"), "{text}");
+    assert_eq!(path, "vehicles[0].goal");
+    assert!(
+        text.contains("missing field `goal` (allowed: a goal at least"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -41,8 +44,8 @@ fn what_is_wrong_with_a_stop_is_reported_at_its_place() {
         ),
         (
             "{lat: 36.22, lon: -84.30, agl_m: 80}",
-            "vehicles[0].stops[0]",
-            "id",
+            "vehicles[0].stops[0].id",
+            "missing field",
         ),
         (
             "{id: t1, lat: 36.22, lon: -84.30, agl_m: 80, hold_s: -1}",
@@ -217,7 +220,11 @@ fn actions_are_read_and_what_is_wrong_with_one_is_reported_at_its_place() {
     for (actions, path, found) in [
         ("{}", own, "0 actions"),
         ("{photo: {}, video: start}", own, "2 actions"),
-        ("{gimbal: {yaw_deg: 3}}", ".gimbal", "pitch_deg"),
+        (
+            "{gimbal: {yaw_deg: 3}}",
+            ".gimbal.pitch_deg",
+            "missing field",
+        ),
         ("{gimbal: {pitch_deg: -91}}", ".gimbal.pitch_deg", "-91"),
         ("{servo: {channel: 9, pwm_us: 100}}", ".servo.pwm_us", "100"),
         ("{roi: {lat: 36.22, lon: -84.31}}", ".roi", "no altitude"),

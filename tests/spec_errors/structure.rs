@@ -152,8 +152,89 @@ fn a_key_in_another_unit_is_answered_with_the_known_key_and_its_unit() {
 #[test]
 fn a_missing_key_is_named() {
     let (path, message) = only("    speed_mps: 12\n", "");
-    assert_eq!(path, "vehicles[1]");
-    assert!(message.contains("missing field `speed_mps`"), "{message}");
+    assert_eq!(path, "vehicles[1].speed_mps");
+    assert!(
+        message.ends_with("vehicles[1].speed_mps: missing field `speed_mps` (allowed: 0.5 to 100)"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_missing_key_says_what_is_allowed_for_it() {
+    // The text that is removed, the path of its key, what is allowed there, and the place of the keys around it.
+    for (old, path, allowed, around) in [
+        ("sortie: 1\n", "sortie", "1 or 2", "name: full"),
+        (
+            "name: full\n",
+            "name",
+            "text of 1 to 64 characters",
+            "sortie: 1",
+        ),
+        (
+            "    finish: land\n",
+            "vehicles[0].finish",
+            "one of `land`, `loiter`, `return`",
+            "id: alpha",
+        ),
+        (
+            "    autopilot: px4\n",
+            "vehicles[1].autopilot",
+            "`ardupilot` or `px4`",
+            "id: bravo",
+        ),
+        (
+            "    sysid: 2\n",
+            "vehicles[1].sysid",
+            "1 to 255",
+            "id: bravo",
+        ),
+        (
+            "    link: tcp:127.0.0.1:5760\n",
+            "vehicles[1].link",
+            Link::ALLOWED,
+            "id: bravo",
+        ),
+        (
+            "  max_amsl_m: 1500\n",
+            "area.max_amsl_m",
+            "-500 to 20000",
+            "south_west",
+        ),
+        (
+            "  south_west: {lat: 36.20, lon: -84.40}\n",
+            "area.south_west",
+            "keys with values: `lat`, `lon`",
+            "north_east",
+        ),
+        (
+            ", radius_m: 3000",
+            "threats[0].radius_m",
+            "1 to 500000",
+            "{id: radar-1",
+        ),
+        (
+            " polygon: [[36.35, -84.20], [36.36, -84.20], [36.36, -84.18]],",
+            "no_fly[0].polygon",
+            "a list of at least 3 entries",
+            "{id: town",
+        ),
+    ] {
+        let text = with(old, "");
+        let found = issues(&text);
+        assert_eq!(found.len(), 1, "{path}: {found:#?}");
+        assert_eq!(found[0].path, path);
+        let key = path.rsplit('.').next().unwrap_or_default();
+        assert_eq!(found[0].found, format!("missing field `{key}`"), "{path}");
+        assert_eq!(found[0].allowed, allowed, "{path}");
+        let position = Some(place_of(&text, around));
+        assert_eq!(found[0].position, position, "{path}");
+    }
+    let text = with("sortie: 1\n", "");
+    let error = parse(&text).expect_err("no version").to_string();
+    assert!(
+        error.ends_with(":1:1: sortie: missing field `sortie` (allowed: 1 or 2)"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -184,14 +265,14 @@ fn everything_wrong_with_keys_and_types_is_reported_at_once_and_hides_no_meaning
     let found = issues(&text);
     let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();
     let expected = [
-        ("", "missing field `name`"),
-        ("area", "missing field `min_agl_m`"),
+        ("name", "missing field `name`"),
+        ("area.min_agl_m", "missing field `min_agl_m`"),
         ("threats[0].colour", "unknown field `colour`"),
         ("threats[0].radius", "did you mean `radius_m`?"),
         ("rally[0].lat", "\"north\""),
         ("vehicles[0].finish", "crash"),
         ("vehicles[1].sysid", "1"),
-        ("vehicles[1]", "missing field `speed_mps`"),
+        ("vehicles[1].speed_mps", "missing field `speed_mps`"),
         ("wind.from_deg", "400"),
     ];
     for (path, part) in expected {
@@ -243,6 +324,8 @@ fn what_hangs_on_a_broken_value_is_not_reported_as_well() {
             "  analytic:\n    base_amsl_m: low\n",
         ),
         ("sortie: 1\n", ""),
+        // Nor is a place missing whose value is broken.
+        ("goal: {lat: 36.21, lon: -84.12, agl_m: 80}", "goal: beside"),
     ] {
         only(old, new);
     }

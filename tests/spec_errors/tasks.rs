@@ -42,8 +42,8 @@ fn what_is_wrong_with_a_task_is_reported_at_its_place() {
         ("{id: t}", "tasks[0]", "no kind of task"),
         (
             "{visit: {lat: 36.29, lon: -84.27, agl_m: 80}}",
-            "tasks[0]",
-            "id",
+            "tasks[0].id",
+            "missing field",
         ),
         (
             "{id: t, visit: {lat: 36.29, lon: -84.27}}",
@@ -82,8 +82,8 @@ fn what_is_wrong_with_a_task_is_reported_at_its_place() {
         ),
         (
             &format!("{{id: t, deliver: {{from: {to}}}}}"),
-            "tasks[0].deliver",
-            "to",
+            "tasks[0].deliver.to",
+            "missing field",
         ),
         (
             &format!("{{id: t, deliver: {{from: {to}, to: {to}}}}}"),

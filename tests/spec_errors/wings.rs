@@ -320,8 +320,8 @@ fn where_there_is_wind_the_course_of_a_landing_may_be_left_open() {
     let still = plane().replace("heading_deg: 45, ", "");
     let found = issues(&still);
     assert_eq!(found.len(), 1, "{found:#?}");
-    assert_eq!(found[0].path, "vehicles[0].landing");
-    assert!(found[0].found.contains("heading_deg"), "{found:#?}");
+    assert_eq!(found[0].path, "vehicles[0].landing.heading_deg");
+    assert_eq!(found[0].found, "missing field `heading_deg`", "{found:#?}");
     // A VTOL of version 1 comes from anywhere, as it did.
     let vtol = |version: u32, wind: &str| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/vtol-ardupilot.yaml");

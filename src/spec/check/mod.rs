@@ -14,7 +14,6 @@ mod vehicles;
 mod wing;
 mod zones;
 
-pub(super) use ranges::resolved;
 pub(super) use scenario::scenario;
 pub(super) use shapes::relative;
 

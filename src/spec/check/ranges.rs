@@ -7,6 +7,7 @@ use serde_yaml::Value;
 
 use super::Checker;
 use crate::numeric::digits;
+use crate::spec::keys::schema::resolved;
 
 impl Checker {
     /// Reports each number outside its range, below each of these paths.
@@ -62,11 +63,4 @@ impl Checker {
             _ => {}
         }
     }
-}
-
-/// Follows the `$ref` of a schema, also inside `anyOf` with `null`; otherwise the schema itself.
-pub(in crate::spec) fn resolved<'s>(schema: &'s Schema, root: &'s Schema) -> &'s Schema {
-    let target = schema.pointer("/anyOf/0/$ref").or(schema.get("$ref"));
-    let path = target.and_then(|target| target.as_str()?.strip_prefix('#'));
-    path.and_then(|path| root.pointer(path)).unwrap_or(schema)
 }

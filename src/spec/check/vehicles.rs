@@ -269,7 +269,10 @@ impl Checker {
         }
         let sysid = self.required(path, "sysid", keys.sysid);
         let autopilot = self.required(path, "autopilot", keys.autopilot);
-        let link = self.required(path, "link", keys.link.as_deref());
+        let link = keys.link.as_deref();
+        if link.is_none() {
+            self.missing(path, "link", Link::ALLOWED.to_owned());
+        }
         let version = keys.autopilot_version.as_deref();
         Identity {
             id,
@@ -347,12 +350,11 @@ impl Checker {
         version
     }
 
-    fn missing_goal(&mut self, path: &str) {
-        let mut issue = self.sources.missing(path, "goal");
-        if issue.allowed.is_empty() {
-            issue.allowed = format!(
-                "a goal at least {MIN_START_TO_GOAL_M} m from start; only with stops of its own a vehicle comes back to its start"
-            );
+    /// Reports a missing key of a vehicle; the schema does not say all that is allowed there.
+    fn missing(&mut self, path: &str, key: &str, allowed: String) {
+        let mut issue = self.sources.missing(path, key);
+        if !self.sources.is_made(path) {
+            issue.allowed = allowed;
         }
         self.issues.push(issue);
     }
@@ -367,7 +369,10 @@ impl Checker {
             start
         } else {
             if keys.goal.is_none() {
-                self.missing_goal(path);
+                let allowed = format!(
+                    "a goal at least {MIN_START_TO_GOAL_M} m from start; only with stops of its own a vehicle comes back to its start"
+                );
+                self.missing(path, "goal", allowed);
             }
             let goal = keys.goal.as_ref();
             goal.and_then(|end| self.end_point(&at("goal"), end.point()))

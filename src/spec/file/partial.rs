@@ -5,6 +5,7 @@ use std::path::Path;
 use super::SpecFile;
 use super::structure::{self, Unknown, is_of};
 use crate::geodesy::LatLon;
+use crate::spec::issue::MISSING;
 use crate::spec::value_sources::in_order;
 use crate::spec::{AltitudeLimits, EndPoint, Issue, SpecError};
 
@@ -131,9 +132,10 @@ const GROUND: [&str; 5] = [
 fn hides_ground(issues: &[Issue], unknown: &[Unknown]) -> bool {
     let in_issues = issues.iter().any(|issue| {
         let is_range = !issue.found.starts_with("unknown field");
+        // What is filled in for a missing limit of the area is wide.
+        let is_range = is_range && !issue.found.starts_with(MISSING);
         issue.table.is_none() && is_range && GROUND.iter().any(|key| is_of(&issue.path, key))
     });
-    // What is filled in for a limit of the area is wide.
     let in_unknown = unknown.iter().any(|unknown| match unknown {
         Unknown::Within(path) => ["terrain", "buffer_m"].iter().any(|key| is_of(path, key)),
         Unknown::At(_) | Unknown::ButSites(_) => false,

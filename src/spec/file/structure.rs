@@ -9,12 +9,11 @@ use serde_yaml::{Mapping, Number, Value};
 
 use crate::numeric::digits;
 use crate::numeric::text::{meant, other_unit};
-use crate::spec::check::resolved;
+use crate::spec::issue::{Issue, MISSING};
+use crate::spec::keys;
+use crate::spec::keys::schema::{self, index_of, resolved, steps};
 use crate::spec::positions::Positions;
-use crate::spec::{Issue, keys};
 
-/// How the parser, and the check, name a missing key.
-const MISSING: &str = "missing field `";
 /// What a vehicle has places at: these do not depend on its other keys.
 const SITES: [&str; 4] = ["home", "start", "goal", "stops"];
 /// Most problems of keys and types that are reported.
@@ -34,7 +33,7 @@ pub(in crate::spec) struct KeysRead {
 /// What is not known for a problem that is reported already.
 #[derive(Debug)]
 pub(in crate::spec) enum Unknown {
-    /// What is at a path, but for keys that are missing there.
+    /// What is at a path, but not what is at its keys.
     At(String),
     /// What is at a path and below it.
     Within(String),
@@ -70,27 +69,22 @@ pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRea
             allowed: "a mission spec: YAML that begins with `sortie: 2`".to_owned(),
         }]);
     }
-    let mut first = Some(problem(&error));
+    let schema = schema::of_spec();
+    let mut first = Some(problem(&error, schema));
     let Ok(value) = serde_yaml::from_str::<Value>(yaml) else {
         return Err(first.into_iter().collect());
     };
     let mut mended = Mended {
         value,
-        schema: schemars::schema_for!(keys::Spec).to_value(),
+        schema,
         removed: Vec::new(),
         unknown: Vec::new(),
     };
     let (mut issues, mut parsed) = (Vec::new(), 0);
     loop {
         // The position is known of the first one alone: others are of the copy.
-        let found = Found::of(&error);
-        let issue = first.take().unwrap_or_else(|| Issue {
-            position: match found.kind {
-                Kind::UnknownKey(_) | Kind::OtherUnit(_) => positions.find_key(&found.issue.path),
-                Kind::Missing(_) | Kind::Value => positions.find(&found.issue.path),
-            },
-            ..found.issue.clone()
-        });
+        let found = Found::of(&error, schema);
+        let issue = first.take().unwrap_or_else(|| found.issue_in(positions));
         if !mended.is_removed(&found) {
             issues.push(issue);
         }
@@ -142,7 +136,7 @@ fn other_kind(text: &str) -> Option<String> {
 /// Whether an issue may come of a problem that is reported already.
 pub(in crate::spec) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
     let is_of = |unknown: &Unknown| match unknown {
-        Unknown::At(path) => issue.path == *path && !issue.found.starts_with(MISSING),
+        Unknown::At(path) => issue.path == *path,
         Unknown::Within(path) => is_of(&issue.path, path),
         Unknown::ButSites(path) => {
             let mut sites = SITES.iter();
@@ -159,9 +153,9 @@ pub(super) fn is_of(path: &str, key: &str) -> bool {
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
-/// The problem that ended a parse.
-pub(in crate::spec) fn problem(error: &serde_yaml::Error) -> Issue {
-    Found::of(error).issue
+/// The problem that ended a parse of what has this schema.
+pub(in crate::spec) fn problem(error: &serde_yaml::Error, schema: &Schema) -> Issue {
+    Found::of(error, schema).issue
 }
 
 /// What is wrong at a place.
@@ -170,8 +164,8 @@ enum Kind {
     UnknownKey(Option<String>),
     /// A key that differs from this known one in its unit: its value says nothing.
     OtherUnit(String),
-    /// This key of the place is missing.
-    Missing(String),
+    /// The key is missing.
+    Missing,
     /// The value.
     Value,
 }
@@ -184,7 +178,7 @@ struct Found {
 impl Found {
     /// Takes apart a message such as
     /// `vehicles[0]: invalid type: string "fast", expected f64 at line 3 column 5`.
-    fn of(error: &serde_yaml::Error) -> Self {
+    fn of(error: &serde_yaml::Error, schema: &Schema) -> Self {
         let position = error.location().map(|at| (at.line(), at.column()));
         let mut message = error.to_string();
         if let Some((line, column)) = position {
@@ -199,32 +193,25 @@ impl Found {
             Some((path, rest)) if is_path(path) => (path.to_owned(), rest.to_owned()),
             _ => (String::new(), message),
         };
+        let quoted = |before: &str| message.strip_prefix(before)?.split_once('`');
+        let (key, missing) = (quoted("unknown field `"), quoted(MISSING));
         // The key itself belongs to the path.
-        let key = message
-            .strip_prefix("unknown field `")
-            .and_then(|rest| rest.split_once('`'));
-        let path = match key {
-            Some((key, _)) if path.is_empty() => key.to_owned(),
-            Some((key, _)) => format!("{path}.{key}"),
+        let path = match key.or(missing) {
+            Some((key, _)) => below(&path, key),
             None => path,
         };
         let (mut found, allowed) = match message.split_once(", expected ") {
             Some((found, allowed)) => explained(found, plain(allowed)),
+            None if missing.is_some() => (message.clone(), schema::allowed_at(schema, &path)),
             None => (message.clone(), String::new()),
         };
-        let word = key.or_else(|| {
-            let rest = message.strip_prefix("unknown variant `");
-            rest.and_then(|rest| rest.split_once('`'))
-        });
+        let word = key.or_else(|| quoted("unknown variant `"));
         // What is known is listed in backticks.
         let meant = word.and_then(|(word, rest)| meant(word, rest.split('`').skip(1).step_by(2)));
         if let Some(((word, _), meant)) = word.zip(meant) {
             let unit = other_unit(word, meant).map_or_else(String::new, |of| format!(", in {of}"));
             found = format!("{found}: did you mean `{meant}`{unit}?");
         }
-        let missing = message
-            .strip_prefix(MISSING)
-            .and_then(|rest| rest.split_once('`'));
         let kind = match (key, missing) {
             (Some((key, _)), _) => match meant {
                 Some(meant) if other_unit(key, meant).is_some() => {
@@ -232,7 +219,7 @@ impl Found {
                 }
                 _ => Kind::UnknownKey(meant.map(str::to_owned)),
             },
-            (_, Some((key, _))) => Kind::Missing(key.to_owned()),
+            (_, Some(_)) => Kind::Missing,
             _ => Kind::Value,
         };
         let issue = Issue {
@@ -244,25 +231,33 @@ impl Found {
         };
         Self { issue, kind }
     }
+
+    /// The problem with its position in the file.
+    fn issue_in(&self, positions: &Positions) -> Issue {
+        let path = &self.issue.path;
+        Issue {
+            position: match self.kind {
+                Kind::UnknownKey(_) | Kind::OtherUnit(_) => positions.find_key(path),
+                Kind::Missing | Kind::Value => positions.find(path),
+            },
+            ..self.issue.clone()
+        }
+    }
 }
 
 /// A copy of the values of a spec in which problems are mended.
 struct Mended {
     value: Value,
-    schema: Schema,
-    /// Keys whose values were removed: that they are missing is no other problem.
-    removed: Vec<(String, String)>,
+    schema: &'static Schema,
+    /// Paths whose values were removed: that they are missing is no other problem.
+    removed: Vec<String>,
     unknown: Vec<Unknown>,
 }
 
 impl Mended {
     /// Whether a key is missing because its value was removed.
     fn is_removed(&self, found: &Found) -> bool {
-        let Kind::Missing(key) = &found.kind else {
-            return false;
-        };
-        let mut removed = self.removed.iter();
-        removed.any(|(path, removed)| *path == found.issue.path && removed == key)
+        matches!(found.kind, Kind::Missing) && self.removed.contains(&found.issue.path)
     }
 
     /// Whether the version of the format is a filling.
@@ -275,22 +270,18 @@ impl Mended {
     /// Mends a problem; `None` where that is not possible.
     fn mend(&mut self, found: &Found) -> Option<()> {
         let path = found.issue.path.as_str();
-        if let Kind::Missing(key) = &found.kind {
-            let of_key = &schema_at(&self.schema, path)["properties"][key];
-            let filling = filling(key, resolved(of_key, &self.schema), &self.schema, 0);
-            let keys = value_at(&mut self.value, path)?.as_mapping_mut()?;
-            let before = keys.insert(key.as_str().into(), filling);
-            self.unknown.push(Unknown::Within(match path {
-                "" => key.clone(),
-                _ => path.to_owned(),
-            }));
+        let (parent, last) = split(path)?;
+        if matches!(found.kind, Kind::Missing) {
+            let filling = filling(last, schema::at(self.schema, path), self.schema, 0);
+            let keys = value_at(&mut self.value, parent)?.as_mapping_mut()?;
+            let before = keys.insert(last.into(), filling);
+            let around = if parent.is_empty() { path } else { parent };
+            self.unknown.push(Unknown::Within(around.to_owned()));
             return before.is_none().then_some(());
         }
-        let (parent, last) = split(path)?;
         let value = value_at(&mut self.value, parent)?;
         if let Some(index) = index_of(last) {
-            let of_item = &schema_at(&self.schema, parent)["items"];
-            let filling = filling("", resolved(of_item, &self.schema), &self.schema, 0);
+            let filling = filling("", schema::at(self.schema, path), self.schema, 0);
             let item = value.as_sequence_mut()?.get_mut(index)?;
             if *item == filling {
                 return None;
@@ -311,7 +302,10 @@ impl Mended {
                     Kind::OtherUnit(meant) => meant,
                     _ => last,
                 };
-                self.removed.push((parent.to_owned(), missing.to_owned()));
+                let missing = below(parent, missing);
+                self.removed.push(missing.clone());
+                // A site that is removed is not missing, though the sites of a vehicle are known.
+                self.unknown.push(Unknown::Within(missing));
                 self.unknown
                     .push(match is_vehicle(parent) && last != "stops" {
                         true => Unknown::ButSites(parent.to_owned()),
@@ -329,23 +323,6 @@ fn is_vehicle(path: &str) -> bool {
     index.and_then(index_of).is_some()
 }
 
-/// The keys and indices, with their `[`, of a path.
-fn steps(path: &str) -> impl Iterator<Item = &str> {
-    let keys = path.split('.').filter(|key| !key.is_empty());
-    keys.flat_map(|key| {
-        let (key, indices) = key.split_at(key.find('[').unwrap_or(key.len()));
-        let indices = indices.split_inclusive(']');
-        std::iter::once(key)
-            .filter(|key| !key.is_empty())
-            .chain(indices)
-    })
-}
-
-/// The index of a step such as `[3]`.
-fn index_of(step: &str) -> Option<usize> {
-    step.strip_prefix('[')?.strip_suffix(']')?.parse().ok()
-}
-
 fn value_at<'v>(root: &'v mut Value, path: &str) -> Option<&'v mut Value> {
     steps(path).try_fold(root, |value, step| match index_of(step) {
         Some(index) => value.as_sequence_mut()?.get_mut(index),
@@ -353,14 +330,12 @@ fn value_at<'v>(root: &'v mut Value, path: &str) -> Option<&'v mut Value> {
     })
 }
 
-fn schema_at<'s>(root: &'s Schema, path: &str) -> &'s Schema {
-    steps(path).fold(root, |schema, step| {
-        let next = match index_of(step) {
-            Some(_) => &schema["items"],
-            None => &schema["properties"][step],
-        };
-        resolved(next, root)
-    })
+/// The path of a key below another one.
+fn below(path: &str, key: &str) -> String {
+    match path {
+        "" => key.to_owned(),
+        _ => format!("{path}.{key}"),
+    }
 }
 
 /// A path without its last key or index, and that; none of the root.

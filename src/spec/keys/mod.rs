@@ -11,6 +11,7 @@ mod fleet;
 mod on_alarm;
 mod options;
 mod scenario;
+pub(super) mod schema;
 mod stops;
 mod tasks;
 mod vehicle;

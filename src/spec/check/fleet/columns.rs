@@ -3,8 +3,8 @@
 use serde_json::Value as Schema;
 use serde_yaml::{Mapping, Value};
 
-use super::super::ranges::resolved;
 use crate::spec::keys;
+use crate::spec::keys::schema::resolved;
 
 /// A column that a table may have.
 pub(super) struct Column {
