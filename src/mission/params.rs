@@ -188,19 +188,12 @@ fn altitude_acceptance_m(options: &MissionOptions) -> f64 {
     corner_cut_m(options).max(5.0)
 }
 
-/// A comment with the names of parameters in a version that has metres where earlier ones have
-/// centimetres.
-fn in_metres(why: &str, version: Option<Version>) -> String {
-    let named = |word: &str| {
-        let renamed = RENAMED_IN_COMMENTS.iter().find(|name| **name == word);
-        renamed.map_or(word.to_owned(), |name| name_in(name, version).to_owned())
-    };
-    let words: Vec<String> = why.split(' ').map(named).collect();
-    words.join(" ").replace(", cm", ", m")
+/// A comment with the names that parameters have in a version.
+fn with_names(why: &str, version: Option<Version>) -> String {
+    let named = |word| parameter(word).map_or(word, |row| name_in(row.name, version));
+    let words: Vec<&str> = why.split(' ').map(named).collect();
+    words.join(" ")
 }
-
-/// Parameters that comments name.
-const RENAMED_IN_COMMENTS: [&str; 3] = ["WPNAV_SPEED_DN", "LAND_ALT_LOW", "LAND_SPEED"];
 
 /// The parameters of one vehicle, in the order of its file.
 struct List<'a> {
@@ -218,10 +211,10 @@ impl List<'_> {
         if self.parameters.iter().any(|param| param.name == name) {
             return;
         }
-        let why = match own == name {
-            true => why.to_owned(),
-            false => in_metres(why, version),
-        };
+        let mut why = with_names(why, version);
+        if own != name {
+            why = why.replace(", cm", ", m");
+        }
         let per_si = parameter(name).map_or(1.0, |row| row.unit.per_si());
         #[expect(
             clippy::cast_possible_truncation,
@@ -448,7 +441,11 @@ impl List<'_> {
         match self.vehicle.autopilot {
             Autopilot::ArduPilot => {
                 let [new, old] = COPTER_LEAN;
-                self.set(new, lean_deg, &format!("{why}, degrees; more is as good"));
+                let unit = match name_in(new, self.vehicle.autopilot_version) == new {
+                    true => "degrees",
+                    false => "hundredths of a degree",
+                };
+                self.set(new, lean_deg, &format!("{why}, {unit}; more is as good"));
                 self.set(
                     old,
                     lean_deg,

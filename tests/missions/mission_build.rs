@@ -205,9 +205,95 @@ fn the_parameters_of_arducopter_4_7_have_its_names_and_metres() {
     assert_eq!(names.clone().count(), names.collect::<BTreeSet<_>>().len());
     for param in &newer.params {
         let why = &param.why;
-        assert!(!why.contains("cm") && !why.contains("WPNAV"), "{why}");
+        let is_old = ["cm", "WPNAV", "LAND_SPEED"];
+        assert!(!is_old.iter().any(|word| why.contains(word)), "{why}");
     }
     assert_eq!(older.items, newer.items);
+}
+
+#[test]
+fn comments_of_parameters_name_others_as_the_version_does() {
+    let why = |version: Option<&str>, name: &str| {
+        let (mut spec, _) = spec_of(|_| ());
+        spec.vehicles[0].autopilot_version = version.and_then(|text| text.parse().ok());
+        let placing = Item {
+            command: command::NAV_PAYLOAD_PLACE,
+            frame: frame::GLOBAL,
+            autocontinue: true,
+            params: [0.0; 4],
+            x: 0,
+            y: 0,
+            z: 0.0,
+        };
+        let (vehicle, options) = (&spec.vehicles[0], &spec.mission);
+        let params = mission::parameters(vehicle, options, &[placing], 0.0, None, Some(12.0));
+        let param = params.into_iter().find(|param| param.name == name);
+        param.unwrap_or_else(|| panic!("no {name}")).why
+    };
+    for (version, name, expected) in [
+        (None, "PLDP_SPEED_DN", "loads are placed at LAND_SPEED"),
+        (
+            Some("4.6"),
+            "PLDP_SPEED_DN",
+            "loads are placed at LAND_SPEED",
+        ),
+        (
+            Some("4.7"),
+            "PLDP_SPEED_DN",
+            "loads are placed at LAND_SPD_MS",
+        ),
+        (
+            Some("4.7"),
+            "LAND_SPD_HIGH_MS",
+            "land at WP_SPD_DN until LAND_ALT_LOW_M",
+        ),
+    ] {
+        assert_eq!(why(version, name), expected, "{version:?}");
+    }
+    // The unit is that of the value.
+    for (version, name, unit) in [
+        (None, "ATC_ANGLE_MAX", ", degrees"),
+        (None, "ANGLE_MAX", ", hundredths of a degree"),
+        (Some("4.6"), "ANGLE_MAX", ", hundredths of a degree"),
+        (Some("4.7"), "ATC_ANGLE_MAX", ", degrees"),
+    ] {
+        let found = why(version, name);
+        assert!(found.contains(unit), "{version:?}: {found}");
+    }
+}
+
+/// A review of a mission names parameters by the version of the vehicle in the spec.
+#[test]
+fn assumptions_name_parameters_as_the_version_of_the_vehicle_does() {
+    let assumed = |version: Option<&str>| {
+        let (spec, world) = spec_of(|spec| {
+            spec.vehicles[0].autopilot_version = version.and_then(|text| text.parse().ok());
+            spec.vehicles[0].finish = Finish::Return;
+        });
+        let (out, back) = out_and_back(&world);
+        let mut mission = mission::build(&spec, &world, 0, &[out, back]).expect("a mission");
+        let mut home = *mission.items.last().expect("an item");
+        home.command = command::NAV_RETURN_TO_LAUNCH;
+        mission.items.push(home);
+        let review = sortie::verify::review(&spec, &world, &[(0, &mission)]);
+        review.assumptions.join("\n")
+    };
+    for (version, names) in [
+        (None, ["WPNAV_RADIUS", "RTL_ALT,", "speed RTL_SPEED,"]),
+        (
+            Some("4.6"),
+            ["WPNAV_RADIUS", "RTL_ALT,", "speed RTL_SPEED,"],
+        ),
+        (
+            Some("4.7"),
+            ["WP_RADIUS_M", "RTL_ALT_M,", "speed RTL_SPEED_MS,"],
+        ),
+    ] {
+        let found = assumed(version);
+        for name in names {
+            assert!(found.contains(name), "{version:?} {name}: {found}");
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! What a review takes for granted: of every mission, and of those that a text is about.
 
-use crate::autopilot::{Airframe, Autopilot, facts, parameter};
+use std::collections::BTreeSet;
+
+use crate::autopilot::{Airframe, Autopilot, Version, facts, name_in, parameter};
 use crate::mission::{Item, command};
 use crate::spec::MissionSpec;
 use crate::world::{Terrain, World};
@@ -33,7 +35,7 @@ const ASSUMED: [&str; 4] = [
 ];
 
 /// What the flight model assumes of some missions: the condition, and the text with figures of
-/// [`crate::autopilot`] as `{vehicle.figure}` or `{PARAMETER}`.
+/// [`crate::autopilot`] as `{vehicle.figure}` or `{PARAMETER}`, and names as `{name PARAMETER}`.
 type Assumption = (fn(&Sortie<'_>) -> bool, &'static str);
 
 fn is_quadplane(sortie: &Sortie<'_>) -> bool {
@@ -51,7 +53,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Copter,
-        "ArduCopter slows down for corners as far as WPNAV_RADIUS and a jerk of 1 m/s3 ask for, cuts them within that radius, and is up to \
+        "ArduCopter slows down for corners as far as {name WPNAV_RADIUS} and a jerk of 1 m/s3 ask for, cuts them within that radius, and is up to \
          {copter.corner_late_s} later after each (measured on 4.6.3, simulated, still air: speeds within 0.2 m/s, legs within 0.3 s); \
          it stops before a landing at another place and where altitudes above terrain begin or end",
     ),
@@ -67,7 +69,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
                 || s.holds(command::NAV_LOITER_TURNS)
                 || s.holds(command::NAV_PAYLOAD_PLACE)
         },
-        "splines, turns and the placing of payloads are flown as the sources of ArduCopter 4.7 say (CIRCLE_RADIUS {CIRCLE_RADIUS} m and CIRCLE_RATE {CIRCLE_RATE} degrees a second \
+        "splines, turns and the placing of payloads are flown as the sources of ArduCopter 4.7 say ({name CIRCLE_RADIUS} {CIRCLE_RADIUS} m and CIRCLE_RATE {CIRCLE_RATE} degrees a second \
          where the .params file has none), and each may take {copter.stop_late_s} longer (4.7.0-beta1, simulated, still air: within 3.5 m on a circle, 0.9 m on splines)",
     ),
     (
@@ -126,7 +128,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.holds(command::NAV_RETURN_TO_LAUNCH),
-        "a return to launch climbs to return_amsl_m however near home it begins, flies straight home and lands at once: RTL_ALT, RTL_CONE_SLOPE and RTL_LOIT_TIME (PX4: RTL_RETURN_ALT, RTL_CONE_ANG and RTL_LAND_DELAY) as in the .params file of the vehicle, and its speed RTL_SPEED, or that of the cruise, without either speed_mps",
+        "a return to launch climbs to return_amsl_m however near home it begins, flies straight home and lands at once: {name RTL_ALT}, RTL_CONE_SLOPE and RTL_LOIT_TIME (PX4: RTL_RETURN_ALT, RTL_CONE_ANG and RTL_LAND_DELAY) as in the .params file of the vehicle, and its speed {name RTL_SPEED}, or that of the cruise, without either speed_mps",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED),
@@ -272,12 +274,13 @@ const KINDS: [(&str, Autopilot, Airframe); 6] = [
 ];
 
 /// A text of an assumption with its figures: `{plane.bank_lag_s}` is the figure of that name in
-/// the table of a plane, `{NAVL1_PERIOD}` the default of a parameter in SI units.
-fn with_figures(text: &str) -> String {
+/// the table of a plane, `{NAVL1_PERIOD}` the default of a parameter in SI units, `{name RTL_ALT}` the
+/// name of a parameter in these versions of ArduPilot.
+fn with_figures(text: &str, versions: &[Option<Version>]) -> String {
     let (mut filled, mut rest) = (String::new(), text);
     while let Some((before, name, after)) = placeholder(rest) {
         filled += before;
-        filled += &figure(name).unwrap_or_else(|| name.to_owned());
+        filled += &figure(name, versions).unwrap_or_else(|| name.to_owned());
         rest = after;
     }
     filled + rest
@@ -290,7 +293,17 @@ fn placeholder(text: &str) -> Option<(&str, &str, &str)> {
     Some((before, name, after))
 }
 
-fn figure(name: &str) -> Option<String> {
+fn figure(name: &str, versions: &[Option<Version>]) -> Option<String> {
+    if let Some(name) = name.strip_prefix("name ") {
+        let own = parameter(name)?.name;
+        let names = versions.iter().map(|version| name_in(own, *version));
+        let names: BTreeSet<&str> = names.collect();
+        let names: Vec<&str> = names.into_iter().collect();
+        return Some(match names.is_empty() {
+            true => own.to_owned(),
+            false => names.join(" or "),
+        });
+    }
     let Some((kind, name)) = name.split_once('.') else {
         // As it was written: 0.7 is not the nearest float32.
         return parameter(name).map(|row| ((1e6 * row.default_si()).round() / 1e6).to_string());
@@ -301,16 +314,25 @@ fn figure(name: &str) -> Option<String> {
     Some(found.1.to_string())
 }
 
+/// The versions of vehicles with ArduPilot that an assumption is about; a version is `None` where it is open.
+fn versions(sorties: &[Sortie<'_>], is_used: fn(&Sortie<'_>) -> bool) -> Vec<Option<Version>> {
+    let of_ardupilot = sorties
+        .iter()
+        .filter(|s| s.mission.autopilot == Autopilot::ArduPilot && is_used(s));
+    of_ardupilot.map(|s| s.mission.autopilot_version).collect()
+}
+
 /// What the flight model assumes and used.
 pub(super) fn of_sorties(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec<String> {
     let used = ASSUMED_OF_SOME
         .iter()
         .filter(|(is_used, _)| sorties.iter().any(is_used))
-        .map(|(_, text)| *text);
+        .map(|(is_used, text)| with_figures(text, &versions(sorties, *is_used)));
     let unknown = (world.terrain == Terrain::Unknown)
         .then_some("the ground is not known: landings end at the altitude of home");
-    let texts = ASSUMED.into_iter().chain(used).chain(unknown);
-    let mut list: Vec<String> = texts.map(with_figures).collect();
+    let every = ASSUMED.into_iter().map(str::to_owned);
+    let mut list: Vec<String> = every.chain(used).collect();
+    list.extend(unknown.map(str::to_owned));
     let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
     list.extend(assumptions::raised_ground(world.terrain.raised_m()));
     list.extend(assumptions::windy_copters(flown(), spec.wind));
@@ -338,7 +360,7 @@ mod tests {
         for (_, text) in ASSUMED_OF_SOME {
             let mut rest = *text;
             while let Some((_, name, after)) = placeholder(rest) {
-                assert!(figure(name).is_some(), "{name}");
+                assert!(figure(name, &[]).is_some(), "{name}");
                 named.push(name);
                 rest = after;
             }
@@ -352,7 +374,7 @@ mod tests {
         }
         let texts: Vec<String> = ASSUMED_OF_SOME
             .iter()
-            .map(|(_, t)| with_figures(t))
+            .map(|(_, t)| with_figures(t, &[]))
             .collect();
         for expected in [
             "by up to 12 s (ArduPilot), 14 s (PX4 copters) or 30 s (PX4 vtol), all",
@@ -373,6 +395,33 @@ mod tests {
                 texts.iter().any(|text| text.contains(expected)),
                 "{expected}"
             );
+        }
+    }
+
+    #[test]
+    fn assumptions_name_parameters_as_the_version_does() {
+        let text = "as far as {name WPNAV_RADIUS}, {name CIRCLE_RADIUS} {CIRCLE_RADIUS} m";
+        let in_version = |text: &str| with_figures(text, &["4.7".parse().ok()]);
+        let expected = "as far as WP_RADIUS_M, CIRCLE_RADIUS_M 10 m";
+        assert_eq!(in_version(text), expected);
+        let expected = "as far as WPNAV_RADIUS, CIRCLE_RADIUS 10 m";
+        for older in [vec![], vec![None], vec![None, "4.6".parse().ok()]] {
+            assert_eq!(with_figures(text, &older), expected, "{older:?}");
+        }
+        let of_two = with_figures(text, &["4.7".parse().ok(), None]);
+        assert!(
+            of_two.starts_with("as far as WPNAV_RADIUS or WP_RADIUS_M, "),
+            "{of_two}"
+        );
+        for (_, text) in ASSUMED_OF_SOME {
+            let text = in_version(text);
+            let mut words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+            let old = words.find(|word| {
+                let version = "4.7".parse().ok();
+                let row = parameter(word).filter(|row| name_in(row.name, version) != *word);
+                row.is_some() && *word != "GLIDE_SLOPE_MIN"
+            });
+            assert_eq!(old, None, "{text}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What no mission file says and its flight depends on: where it begins without a takeoff, and by
 //! which parameters it returns.
 
-use crate::autopilot::{Airframe, Autopilot, other_name, parameter};
+use crate::autopilot::{Airframe, Autopilot, name_in, other_name, parameter};
 use crate::cli::args::Limits;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, Parameter, VehicleMission, command, frame, lean_limit_deg};
@@ -42,11 +42,9 @@ pub(super) fn returns(
     let returns = holds(&[command::NAV_RETURN_TO_LAUNCH]);
     let (has_wing, ends) = (vehicle.airframe.has_wing(), holds(&ENDS));
     let names: &[&str] = match (mission.autopilot, has_wing) {
-        (Autopilot::ArduPilot, true) if returns || !holds(&ENDS) => {
-            &["RTL_ALTITUDE", "WP_LOITER_RAD"]
-        }
+        (Autopilot::ArduPilot, true) if returns || !ends => &["RTL_ALTITUDE", "WP_LOITER_RAD"],
         (Autopilot::ArduPilot, true) if holds(&CIRCLES) => &["WP_LOITER_RAD"],
-        (Autopilot::Px4, true) if holds(&CIRCLES) || !holds(&ENDS) => &["NAV_LOITER_RAD"],
+        (Autopilot::Px4, true) if holds(&CIRCLES) || !ends => &["NAV_LOITER_RAD"],
         (_, true) => &[],
         _ if !returns || limits.return_amsl.is_some() => &[],
         (Autopilot::ArduPilot, false) => &["RTL_ALT", "RTL_CONE_SLOPE", "RTL_LOIT_TIME"],
@@ -58,9 +56,10 @@ pub(super) fn returns(
         drop_param(mission, "RTL_RETURN_ALT");
     }
     let mut stated = Vec::new();
-    for name in names {
+    for &name in names {
+        let given = limits.return_amsl.filter(|_| name == "RTL_ALTITUDE");
+        let name = name_in(name, mission.autopilot_version);
         let Some(row) = parameter(name) else { continue };
-        let given = limits.return_amsl.filter(|_| *name == "RTL_ALTITUDE");
         if given.is_none() && mission.param(name).is_some() {
             continue;
         }
@@ -71,7 +70,7 @@ pub(super) fn returns(
         });
         stated.push(format!("{name} {value}"));
         mission.params.push(Parameter {
-            name: (*name).to_owned(),
+            name: name.to_owned(),
             value,
             why: "the default of the autopilot".to_owned(),
         });
@@ -152,6 +151,7 @@ pub(super) fn must_reach_its_speed(mission: &VehicleMission) -> bool {
 /// Adds the speed of a return where the mission commanded another one, which that forgets, and the sentence for it.
 fn cruise(vehicle: &Vehicle, mission: &mut VehicleMission, limits: &Limits) -> Option<String> {
     let name = mission.facts().defaults.cruise_parameter;
+    let name = name_in(name, mission.autopilot_version);
     let changes = |item: &Item| item.command == command::DO_CHANGE_SPEED;
     if mission.param_si(name).is_some() || !mission.items.iter().any(changes) {
         return None;
