@@ -1,5 +1,7 @@
 //! The mission of one vehicle, in the integers and floats that go over the wire.
 
+use std::fmt;
+
 use crate::autopilot::{
     Airframe, Autopilot, Facts, ParameterRow, Version, facts, frame, in_unit_of, other_name,
     parameter,
@@ -46,6 +48,18 @@ pub struct Home {
     pub y: i32,
     /// Altitude above mean sea level, metres.
     pub amsl_m: f32,
+}
+
+/// In degrees and metres, for messages.
+impl fmt::Display for Home {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let LatLon { lat_deg, lon_deg } = LatLon::of_e7(self.x, self.y);
+        let amsl_m = self.amsl_m;
+        write!(
+            f,
+            "latitude {lat_deg}, longitude {lon_deg} degrees, {amsl_m} m above sea level"
+        )
+    }
 }
 
 /// An autopilot parameter that the verdict assumes.

@@ -111,7 +111,8 @@ impl MissionSpec {
     pub fn fence_margin_m(&self) -> f64 {
         let buffers = &self.buffers;
         let of_threats = (!self.threats.is_empty()).then_some(buffers.threats_m);
-        let of_zones = (!self.no_fly.is_empty()).then_some(buffers.zones_m);
+        let has_zones = self.no_fly.iter().any(Zone::fits_fence);
+        let of_zones = has_zones.then_some(buffers.zones_m);
         let others = of_threats.into_iter().chain(of_zones);
         others.fold(buffers.area_m, f64::min)
     }

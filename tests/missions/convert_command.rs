@@ -261,6 +261,19 @@ fn a_fence_and_rally_points_become_lists_of_rows_and_come_back() {
     }
 }
 
+/// Rows have no home at 0, 0: that is a blank row.
+#[test]
+fn a_home_that_does_not_come_back_is_named_in_degrees_and_metres() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = ["0 1 0 16 0 0 0 0 0 0 0 1", "1 0 3 22 0 0 0 0 47 8 50 1"];
+    let from = waypoints(folder.path(), "a.waypoints", &rows);
+    let to = folder.path().join("b.waypoints");
+    let flags = ["--autopilot", "ardupilot", "--home", "0,0,100.5"];
+    let report = convert(&from, &to, &flags).expect("converted");
+    let expected = "home: latitude 0, longitude 0 degrees, 100.5 m above sea level becomes none";
+    assert!(said(&report, "not_kept").contains(expected), "{report:#}");
+}
+
 #[test]
 fn what_cannot_be_done_has_its_exit_code_and_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a folder");

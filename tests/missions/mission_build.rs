@@ -485,6 +485,32 @@ fn the_fence_holds_the_area_the_threats_and_zones_without_a_height() {
     assert_eq!(problems(&mission), []);
 }
 
+/// Domes and other zones with a height are in no fence: their buffer is not its margin.
+#[test]
+fn the_margin_of_the_fence_is_the_least_buffer_of_what_it_holds() {
+    let margin_m = |ceilings: &[Option<Amsl>]| {
+        let mission = built(|spec| {
+            spec.buffers.area_m = 8.0;
+            spec.buffers.zones_m = 3.0;
+            let zones = ceilings.iter().map(|ceiling| Zone {
+                id: "zone".to_owned(),
+                polygon: vec![
+                    place(36.30, -84.28),
+                    place(36.31, -84.28),
+                    place(36.30, -84.27),
+                ],
+                ceiling: ceiling.map(sortie::spec::Placement::Amsl),
+                ..Zone::default()
+            });
+            spec.no_fly = zones.collect();
+        });
+        parameter(&mission, "FENCE_MARGIN")
+    };
+    assert_eq!(margin_m(&[]), 8.0);
+    assert_eq!(margin_m(&[Some(Amsl(450.0))]), 8.0);
+    assert_eq!(margin_m(&[Some(Amsl(450.0)), None]), 3.0);
+}
+
 #[test]
 fn without_a_fence_in_the_spec_there_is_none() {
     let mission = built(|spec| spec.mission.fence = false);

@@ -386,14 +386,16 @@ fn differences(
     };
     let (_, mut document) = formats::read(text.as_bytes()).map_err(unreadable)?;
     document.autopilot = None;
-    let home = document.home.unwrap_or(NO_HOME);
+    let written = document.home;
+    let home = written.unwrap_or(NO_HOME);
     document.home = Some(home);
     let back = document
         .into_mission(mission.autopilot, mission.airframe)
         .map_err(unreadable)?;
     let mut found = Vec::new();
     if matches!(target, Target::Plan | Target::Rows(ListName::Mission)) && home != mission.home {
-        found.push(format!("home: {:?} becomes {home:?}", mission.home));
+        let home = written.map_or("none".to_owned(), |home| home.to_string());
+        found.push(format!("home: {} becomes {home}", mission.home));
     }
     for (list, what) in LISTS {
         if target == Target::Plan || target == Target::Rows(list) {

@@ -79,7 +79,7 @@ fn boundaries(spec: &MissionSpec) -> Vec<Boundary<'_>> {
         items: vec![circle(center, radius_m)],
         outline: Outline::Circle(center, radius_m),
     };
-    for zone in spec.no_fly.iter().filter(|zone| is_encoded(zone)) {
+    for zone in spec.no_fly.iter().filter(|zone| zone.fits_fence()) {
         let name = format!("zone {}", zone.id);
         match zone.circle {
             Some((center, radius_m)) => circles.push(circle_named(name, center, radius_m)),
@@ -229,11 +229,6 @@ pub fn fence_pieces(spec: &MissionSpec) -> Vec<(String, Vec<Item>)> {
         .collect()
 }
 
-/// Whether a zone can be in a fence, which has no height, no time and no holes.
-fn is_encoded(zone: &Zone) -> bool {
-    zone.is_closed_throughout() && zone.holes.is_empty()
-}
-
 /// An exclusion circle.
 fn circle(center: LatLon, radius_m: f64) -> Item {
     #[expect(
@@ -250,7 +245,7 @@ const MAX_SENTENCES: usize = 8;
 /// What the fence leaves out, one sentence for each zone or dome, or for all of many zones: fences are
 /// two-dimensional.
 fn not_encoded(spec: &MissionSpec) -> Vec<String> {
-    let left_out = || spec.no_fly.iter().filter(|zone| !is_encoded(zone));
+    let left_out = || spec.no_fly.iter().filter(|zone| !zone.fits_fence());
     let are_many = left_out().filter(|zone| dome_of(zone).is_none()).count() > MAX_SENTENCES;
     let (many, each): (Vec<&Zone>, Vec<&Zone>) =
         left_out().partition(|zone| are_many && dome_of(zone).is_none());

@@ -53,6 +53,12 @@ impl Zone {
         self.floor.is_none() && self.ceiling.is_none() && self.active_s.is_none()
     }
 
+    /// Whether it can be in a fence, which has no height, no time and no holes.
+    #[must_use]
+    pub fn fits_fence(&self) -> bool {
+        self.is_closed_throughout() && self.holes.is_empty()
+    }
+
     /// The corners with those of the holes, as one ring: it goes to each hole and back on the
     /// same line, so that the rules of winding number and of even and odd still hold.
     #[must_use]
