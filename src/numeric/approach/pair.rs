@@ -45,7 +45,7 @@ impl Region {
         self.count == 0
     }
 
-    /// Calls `see` with the value at each corner and at the next, and with both.
+    /// Calls `see` with each corner and the next one, each with its value, which is taken once.
     fn each_edge<T: Copy>(
         &self,
         value: impl Fn([f64; 2]) -> T,

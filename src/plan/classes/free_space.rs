@@ -118,7 +118,7 @@ impl FreeSpace {
         let margin_m = zone.buffer_m + context.margins.threat_m.min(min_room_m);
         let (low, high) = ring.bounds();
         let near = self.box_around(low, high, margin_m + self.reach_m);
-        self.come_no_nearer(near, |at| signed_distance_m(&ring, at) - margin_m);
+        self.lower_to(near, |at| signed_distance_m(&ring, at) - margin_m);
         for node in crossed_nodes(&self.grid, zone) {
             self.clearance_m[node] = self.clearance_m[node].min(0.0);
         }
@@ -184,16 +184,12 @@ impl FreeSpace {
     fn close_outside(&mut self, context: &RouteContext<'_>) {
         let ring = Ring::around(&context.world.area);
         let all = [(0, self.grid.columns - 1), (0, self.grid.rows - 1)];
-        self.come_no_nearer(all, |at| -signed_distance_m(&ring, at));
+        self.lower_to(all, |at| -signed_distance_m(&ring, at));
     }
 
-    /// Takes a clearance where it is less, which changes by no more than the way between two places:
-    /// blocks of nodes whose middle is far enough away are passed over.
-    fn come_no_nearer(
-        &mut self,
-        [columns, rows]: NodeBox,
-        away_m: impl Fn(EastNorth) -> f64 + Sync,
-    ) {
+    /// Lowers the clearance of nodes of a box to a distance that differs between two places by no more than the
+    /// way between them: blocks whose middle is far enough away are passed over.
+    fn lower_to(&mut self, [columns, rows]: NodeBox, away_m: impl Fn(EastNorth) -> f64 + Sync) {
         let blocks = spans(rows)
             .flat_map(|rows| spans(columns).map(move |columns| [columns, rows]))
             .collect::<Vec<NodeBox>>();
