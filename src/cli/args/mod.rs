@@ -106,7 +106,7 @@ pub(super) enum Command {
 }
 
 impl Command {
-    /// Whether it prints one document, and has not yet where a spec or an input file turns out to be bad.
+    /// Whether `--json` was given, to a command that reads all its input before it prints.
     pub(super) fn prints_json(&self) -> bool {
         match self {
             Self::Plan(of) => of.json,
@@ -215,7 +215,7 @@ pub(super) enum SchemaName {
     Flight,
     /// certificate.json
     Certificate,
-    /// What `check --json` prints
+    /// What `check --json` prints, and other commands of a bad spec or file
     Check,
     /// What `convert --json` prints of a mission file
     Convert,

@@ -54,12 +54,7 @@ impl Failure {
     pub(crate) const TRANSFER: Code = Code(5);
 
     pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
-        Self {
-            code,
-            message: message.into(),
-            more: Vec::new(),
-            issues: Vec::new(),
-        }
+        Self::all(code, [message.into()])
     }
 
     /// Several problems at once, a line each.

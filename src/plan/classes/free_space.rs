@@ -194,12 +194,13 @@ impl FreeSpace {
             .flat_map(|rows| spans(columns).map(move |columns| [columns, rows]))
             .collect::<Vec<NodeBox>>();
         let (grid, reach_m) = (&self.grid, self.reach_m);
-        let node = |column: usize, row: usize| row * grid.columns + column;
-        let nearer = |[columns, rows]: &NodeBox| {
-            let (low, high) = (
-                grid.at(node(columns.0, rows.0)),
-                grid.at(node(columns.1, rows.1)),
-            );
+        let nearer = |block: &NodeBox| {
+            let nodes = nodes_of(grid, *block);
+            let ends = nodes.first().zip(nodes.last());
+            let Some((low, high)) = ends.map(|(first, last)| (grid.at(*first), grid.at(*last)))
+            else {
+                return Vec::new();
+            };
             let middle = EastNorth {
                 east_m: 0.5 * (low.east_m + high.east_m),
                 north_m: 0.5 * (low.north_m + high.north_m),
@@ -207,8 +208,7 @@ impl FreeSpace {
             if away_m(middle) - 0.5 * low.distance_m(high) > reach_m + ROUNDING_M {
                 return Vec::new();
             }
-            let nodes = (rows.0..=rows.1)
-                .flat_map(|row| (columns.0..=columns.1).map(move |column| node(column, row)));
+            let nodes = nodes.into_iter();
             nodes.map(|node| (node, away_m(grid.at(node)))).collect()
         };
         let found: Vec<Vec<(usize, f64)>> = blocks.par_iter().map(nearer).collect();
@@ -282,11 +282,7 @@ impl FreeSpace {
 
     /// The nodes of a box and `around_m` around it.
     fn nodes_around(&self, low: Point, high: Point, around_m: f64) -> Vec<usize> {
-        let [columns, rows] = self.box_around(low, high, around_m);
-        let count = self.grid.columns;
-        (rows.0..=rows.1)
-            .flat_map(|row| (columns.0..=columns.1).map(move |column| row * count + column))
-            .collect()
+        nodes_of(&self.grid, self.box_around(low, high, around_m))
     }
 
     /// The columns and rows of a box and `around_m` around it.
@@ -301,6 +297,13 @@ impl FreeSpace {
         let (first, last) = (corner(low, -around_m), corner(high, around_m));
         [(first.0, last.0), (first.1, last.1)]
     }
+}
+
+/// The nodes of some columns and rows, row by row.
+fn nodes_of(grid: &Grid, [columns, rows]: NodeBox) -> Vec<usize> {
+    (rows.0..=rows.1)
+        .flat_map(|row| (columns.0..=columns.1).map(move |column| row * grid.columns + column))
+        .collect()
 }
 
 /// Parts of a span of columns or rows.
