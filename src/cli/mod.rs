@@ -70,9 +70,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match execute(&parsed.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            if failure.code == Failure::INPUT && parsed.command.prints_json() {
+            let document = failure.document();
+            if let Some(document) = document.filter(|_| parsed.command.prints_json()) {
                 // Where that cannot be written, the lines say it all.
-                let _ = out_json(&failure.document());
+                let _ = out_json(&document);
             }
             if !failure.message.is_empty() {
                 note(&failure.message);

@@ -189,10 +189,11 @@ fn a_bad_spec_is_one_document_of_every_problem_with_its_place() {
     };
     let output = printed(&["check", "pair.yaml"]);
     let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let same: [&[&str]; 3] = [
+    let same: [&[&str]; 4] = [
         &["plan", "pair.yaml"],
         &["review", "pair.yaml"],
         &["certify", "pair.yaml", "out"],
+        &["fly", "pair.yaml"],
     ];
     for arguments in same {
         let other = printed(arguments);
@@ -214,14 +215,44 @@ fn a_bad_spec_is_one_document_of_every_problem_with_its_place() {
 fn a_bad_input_file_is_one_document_as_well() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("alpha.waypoints"), "no mission").expect("a file is written");
-    let output = sortie(folder.path(), &["review", "alpha.waypoints", "--json"]);
+    let bad: [&[&str]; 4] = [
+        &["review", "alpha.waypoints"],
+        &["convert", "alpha.waypoints", "alpha.plan"],
+        &["watch", "nothing"],
+        &["study", "planner", "nothing.yaml", "--out", "out"],
+    ];
+    for arguments in bad {
+        let output = sortie(folder.path(), &[arguments, &["--json"]].concat());
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}");
+        let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        is_of_schema(&document, "check");
+        let issue = &document["issues"][0]["found"];
+        let line = text(&output.stderr);
+        assert!(
+            issue.is_string() && line.contains(issue.as_str().unwrap_or_default()),
+            "{issue}, {line}"
+        );
+    }
+}
+
+#[test]
+fn unusable_elevation_files_are_in_the_document_of_the_others() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("a.tif"), "no tiles").expect("a file is written");
+    fs::create_dir(folder.path().join("empty")).expect("a folder");
+    let tile = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/missions/terrain/jacksboro.tif"
+    );
+    let output = sortie(
+        folder.path(),
+        &["terrain", "info", "a.tif", "empty", tile, "--json"],
+    );
     assert_eq!(output.status.code(), Some(3));
     let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    is_of_schema(&document, "check");
-    let issue = &document["issues"][0]["found"];
-    let line = text(&output.stderr);
-    assert!(
-        issue.is_string() && line.contains(issue.as_str().unwrap_or_default()),
-        "{issue}, {line}"
-    );
+    is_of_schema(&document, "terrain");
+    assert_eq!(document["files"][0]["file"], tile);
+    let unusable = document["unusable"].as_array().expect("a list");
+    let lines = text(&output.stderr);
+    assert_eq!((unusable.len(), lines.lines().count()), (2, 2), "{lines}");
 }

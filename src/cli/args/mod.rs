@@ -106,7 +106,7 @@ pub(super) enum Command {
 }
 
 impl Command {
-    /// Whether `--json` was given, to a command that reads all its input before it prints.
+    /// Whether `--json` was given.
     pub(super) fn prints_json(&self) -> bool {
         match self {
             Self::Plan(of) => of.json,
@@ -114,6 +114,13 @@ impl Command {
             Self::Review(of) => of.json,
             Self::Upload(of) => of.json,
             Self::Certify(of) => of.json,
+            Self::Convert(of) => of.json,
+            Self::Fly(of) => of.json,
+            Self::Watch(of) => of.json,
+            Self::Terrain(Terrain::Info(of)) => of.json,
+            Self::Study(Study::Planner(of)) => of.json,
+            Self::Study(Study::Fleet(of)) => of.json,
+            Self::Study(Study::Speed(of)) => of.json,
             _ => false,
         }
     }

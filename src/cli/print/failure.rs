@@ -17,6 +17,8 @@ pub(crate) struct Failure {
     pub(crate) more: Vec<String>,
     /// The problems of a spec that these lines are.
     issues: Vec<Issue>,
+    /// Whether the command printed its document before it failed.
+    has_document: bool,
 }
 
 /// An exit code of the contract.
@@ -65,11 +67,23 @@ impl Failure {
             message: problems.next().unwrap_or_default(),
             more: problems.collect(),
             issues: Vec::new(),
+            has_document: false,
         }
     }
 
-    /// What `--json` prints instead of its document where a spec or an input file is bad.
-    pub(crate) fn document(&self) -> CheckDocument {
+    /// Of a command whose document says what failed.
+    pub(crate) fn with_document(self) -> Self {
+        Self {
+            has_document: true,
+            ..self
+        }
+    }
+
+    /// What `--json` prints instead of a document where a spec or an input file is bad.
+    pub(crate) fn document(&self) -> Option<CheckDocument> {
+        if self.code != Self::INPUT || self.has_document {
+            return None;
+        }
         let lines = std::iter::once(&self.message).chain(&self.more);
         let of_line = |line: &String| Issue {
             path: String::new(),
@@ -78,10 +92,10 @@ impl Failure {
             found: line.clone(),
             allowed: String::new(),
         };
-        match self.issues.as_slice() {
+        Some(match self.issues.as_slice() {
             [] => CheckDocument::of_issues(&lines.map(of_line).collect::<Vec<_>>()),
             issues => CheckDocument::of_issues(issues),
-        }
+        })
     }
 }
 

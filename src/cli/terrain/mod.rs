@@ -31,20 +31,22 @@ pub(super) fn unusable(path: &Path, error: &TerrainError) -> Failure {
 /// Inspects every file, and reports the unusable ones at the end.
 fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
     let mut files: Vec<PathBuf> = Vec::new();
+    let mut bad = Vec::new();
     for path in &arguments.files {
         if path.is_dir() {
-            let found = world::elevation_files(path).map_err(|error| unusable(path, &error))?;
-            if found.is_empty() {
-                let message = format!("{}: no elevation file in this folder", path.display());
-                return Err(Failure::new(Failure::INPUT, message));
+            match world::elevation_files(path) {
+                Ok(found) if found.is_empty() => bad.push(format!(
+                    "{}: no elevation file in this folder",
+                    path.display()
+                )),
+                Ok(found) => files.extend(found),
+                Err(error) => bad.push(unusable(path, &error).message),
             }
-            files.extend(found);
         } else {
             files.push(path.clone());
         }
     }
     let mut good = Vec::new();
-    let mut bad = Vec::new();
     for path in files {
         match world::inspect(&path) {
             Ok(found) => good.push((path, found)),
@@ -57,6 +59,7 @@ fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
             .map(|(path, found)| TerrainFile::new(path, found));
         out_json(&TerrainDocument {
             files: files.collect(),
+            unusable: bad.clone(),
         })?;
     } else {
         for (path, found) in &good {
@@ -66,7 +69,7 @@ fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
     if bad.is_empty() {
         Ok(())
     } else {
-        Err(Failure::all(Failure::INPUT, bad))
+        Err(Failure::all(Failure::INPUT, bad).with_document())
     }
 }
 
@@ -116,6 +119,8 @@ fn lines(path: &Path, found: &TerrainInfo) -> [String; 5] {
 pub(super) struct TerrainDocument {
     /// In the order of the arguments.
     files: Vec<TerrainFile>,
+    /// Files and folders that cannot be used, each with the reason.
+    unusable: Vec<String>,
 }
 
 /// What one elevation file holds.
