@@ -24,7 +24,7 @@ use super::transfer::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Improved, Improving, Stage};
 use crate::link::TransferReport;
-use crate::report::{TimingDocument, infeasibilities, worst_first};
+use crate::report::{TimingDocument, departures_that_pass, infeasibilities, worst_first};
 use crate::spec::{Arrival, MissionSpec, OnLinkLoss, SpecFile};
 use crate::tasks::AssignedTask;
 use crate::verify::{Margin, Review, Topic};
@@ -265,6 +265,9 @@ fn print_result(
             out(&format!("{} {reason}", paint.bad("FAIL")))?;
         }
         out_lines(&table::failures(review, paint))?;
+        if let Some(helps) = departures_that_pass(planned_spec, &dispatched.plan) {
+            out(&format!("note: {helps}"))?;
+        }
     }
     if let Some(transfer) = transfer {
         transfer.print_failures()?;

@@ -5,6 +5,7 @@ mod budgets;
 mod crowd;
 mod deconfliction;
 mod degrees_of_freedom;
+mod reasons;
 mod remaining;
 mod rests;
 mod rounds;
@@ -24,6 +25,7 @@ use crate::tasks::{Assigner, FleetTasks, FreeOrder, free_orders, in_order, order
 use crate::verify::{Limit, Margin, Repair, Review, Reviewer};
 use crate::world::World;
 
+use reasons::Unexplained;
 use rounds::{dispatch_closely, dispatch_in_rounds, mended_in_rounds};
 use together::planned_together;
 
@@ -48,6 +50,8 @@ pub struct Dispatched {
     delayed: Option<Vec<Vec<Stop>>>,
     /// The spec and world with the rests where vehicles have no space to turn, if there are any.
     with_rests: Option<Box<(MissionSpec, World)>>,
+    /// What a plan that fails was made from, until its reasons are known.
+    unexplained: Option<Box<Unexplained>>,
 }
 
 /// The stage of a dispatch, for progress reports.
@@ -117,6 +121,13 @@ pub fn dispatch(
 }
 
 fn dispatch_as(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
+    let mut done = with_free_orders(spec, world, run);
+    done.explain(run, dispatch_in_rounds);
+    done
+}
+
+/// Dispatches a fleet whose stops are in an order that is given or found.
+fn with_free_orders(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
     let Some(orders) = free_orders(spec, world, run.seed) else {
         return with_tasks(spec, world, run);
     };
@@ -416,6 +427,7 @@ fn judged(
         tasks: None,
         delayed: None,
         with_rests: None,
+        unexplained: None,
     }
 }
 

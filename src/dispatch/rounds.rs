@@ -1,12 +1,9 @@
 //! Vehicles planned one after the other, and those that fail planned again with stricter margins.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use crate::plan::{self, FleetPlan, Request};
-use crate::spec::MissionSpec;
-use crate::verify::{Limit, Margin, Reviewer};
-use crate::world::World;
+use crate::verify::Reviewer;
 
+use super::reasons::Unexplained;
 use super::remaining::moved_apart;
 use super::tighten::Strictness;
 use super::{Dispatched, Job, Stage, crowd, judged, timed_zones};
@@ -91,7 +88,12 @@ fn dispatch_from(
         false => best,
     };
     if !best.review.passes() && !is_entered(&best) && !run.is_cancelled() {
-        best.add_blockers(spec, world, run.seed, strictness);
+        best.plan.name_the_cut_off(world);
+        best.unexplained = Some(Box::new(Unexplained {
+            spec: spec.clone(),
+            world: world.clone(),
+            strictness,
+        }));
     }
     best
 }
@@ -153,62 +155,6 @@ fn without_remaining_pairs(
     }
 }
 
-impl Dispatched {
-    /// Adds a margin for every vehicle without a path, if other vehicles are the reason.
-    fn add_blockers(
-        &mut self,
-        spec: &MissionSpec,
-        world: &World,
-        seed: u64,
-        strictness: Strictness,
-    ) {
-        let request = Request {
-            margins: strictness.margins,
-            extra_parameters: strictness.parameters,
-            ..Request::new(seed)
-        };
-        let at_first = Strictness::first(spec).margins;
-        self.plan.name_blockers(spec, world, &request, &at_first);
-        self.name_those_too_near(spec);
-        for (vehicle, plan) in spec.vehicles.iter().zip(&self.plan.vehicles) {
-            let others = plan.blocked_by.iter();
-            let others = others.filter_map(|&other| spec.vehicles.get(other));
-            let others: Vec<&str> = others.map(|other| other.id.as_str()).collect();
-            if others.is_empty() || self.review.accepts(&vehicle.id) {
-                continue;
-            }
-            let why = format!(
-                "no path was found that keeps every limit; in its way: {}",
-                others.join(", ")
-            );
-            let margin = Margin::unjudged(&vehicle.id, Limit::Path, why);
-            self.review.margins.push(margin);
-        }
-    }
-
-    /// Those before a vehicle that its mission comes too near to are in its way, where nothing
-    /// else is known to be.
-    pub(super) fn name_those_too_near(&mut self, spec: &MissionSpec) {
-        let index = |id: &str| spec.vehicles.iter().position(|vehicle| vehicle.id == id);
-        let broken = self.review.margins.iter().filter(|margin| !margin.ok);
-        let near = broken.filter(|margin| margin.limit == Limit::Separation);
-        let pairs = near.filter_map(|margin| {
-            let (a, b) = (index(&margin.vehicle)?, index(margin.other.as_deref()?)?);
-            Some((a.max(b), a.min(b)))
-        });
-        let mut conflicting: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
-        for (vehicle, other) in pairs {
-            conflicting.entry(vehicle).or_default().insert(other);
-        }
-        for (vehicle, others) in conflicting {
-            let blocked_by = &mut self.plan.vehicles[vehicle].blocked_by;
-            if blocked_by.is_empty() {
-                blocked_by.extend(others);
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -239,7 +185,7 @@ mod tests {
             .spec;
         spec.planner.evaluations = 2000;
         let flat = crate::world::Terrain::Flat(crate::geodesy::Amsl(584.0));
-        let world = World::new(&spec, flat).expect("ground");
+        let world = crate::world::World::new(&spec, flat).expect("ground");
         let done = crate::dispatch::dispatch(&spec, &world, 1, &|_| ());
         assert!(done.review.passes());
         assert!(spec.mission.tolerance_m > 4.0);

@@ -84,6 +84,9 @@ pub struct VehiclePlan {
     /// Relaxations with which it has a path. `None` if they were not tried, because one of the
     /// above is the reason.
     pub relaxations: Option<Vec<Relaxation>>,
+    /// Another departure, seconds after T0: with all of these the fleet, which has no plan that passes,
+    /// was found to have one.
+    pub passes_departing_s: Option<f64>,
 }
 
 /// One planned spline.

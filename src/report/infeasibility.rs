@@ -40,6 +40,23 @@ pub fn infeasibilities(spec: &MissionSpec, world: &World, plan: &FleetPlan) -> V
         .collect()
 }
 
+/// Other departures with which a fleet that fails was found to pass, in words; none if there are none.
+#[must_use]
+pub fn departures_that_pass(spec: &MissionSpec, plan: &FleetPlan) -> Option<String> {
+    let fleet = spec.vehicles.iter().zip(&plan.vehicles);
+    let departing = fleet.filter_map(|(vehicle, plan)| {
+        let at_s = plan.passes_departing_s?;
+        Some(format!("{} at {at_s:.0} s", vehicle.id))
+    });
+    let all: Vec<String> = departing.collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "the fleet passes if it does not depart at once: {} (depart_s; depart_window_s leaves the time to the planner)",
+            listed(&all)
+        )
+    })
+}
+
 impl ReviewInput<'_> {
     /// Those of a failed plan. None if the review passes, which judges turns and ground less
     /// strictly than the objective.

@@ -18,7 +18,7 @@ pub use documents::{
     TimingDocument, UploadDocument, UploadedVehicle, UsedEndurance, json_text, plan_json,
     review_json,
 };
-pub use infeasibility::{Infeasibility, infeasibilities};
+pub use infeasibility::{Infeasibility, departures_that_pass, infeasibilities};
 pub use map::review_svg;
 pub(crate) use page::BASE_STYLE;
 pub use page::{flight_html, review_html};

@@ -320,6 +320,7 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
                 blocked_by: Vec::new(),
                 blocking_set: Vec::new(),
                 relaxations: None,
+                passes_departing_s: None,
             })
             .collect(),
     };

@@ -24,7 +24,7 @@ enum Reason {
 }
 
 impl FleetPlan {
-    /// Says of every vehicle whose path breaks a limit what closes every way; else which
+    /// Says of every vehicle whose path breaks a limit, though nothing is known to close every way, which
     /// earlier vehicles are the reason; else, of the first few, what it would have a path with.
     ///
     /// None of the earlier ones is the reason if it breaks a limit alone too; else those that
@@ -38,7 +38,6 @@ impl FleetPlan {
         request: &Request<'_>,
         at_first: &[Margins],
     ) {
-        self.name_the_cut_off(world);
         let flights = self.flights(spec, world);
         let mut tracks = Tracks::new(&nearness(spec, Margins::default()));
         tracks.extend(flights.iter().map(Flight::track));
@@ -72,7 +71,7 @@ impl FleetPlan {
     }
 
     /// Says of every vehicle whose path breaks a limit what closes every way, if it does.
-    fn name_the_cut_off(&mut self, world: &World) {
+    pub fn name_the_cut_off(&mut self, world: &World) {
         if self.vehicles.iter().all(|plan| plan.terms.is_clean()) {
             return;
         }

@@ -91,6 +91,7 @@ impl PlannedVehicles<'_> {
             landing_deg: landing_deg(vehicle, world.sites.get(index)),
             gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
             blocked_by: ids(spec, &planned.blocked_by),
+            passes_departing_s: planned.passes_departing_s,
             // The objective judges turns and ground more strictly than the verdict.
             violations: if self.passes {
                 Vec::new()
@@ -136,6 +137,9 @@ pub struct PlannedVehicle {
     /// The earlier vehicles that kept the search from finding a path within every limit.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub blocked_by: Vec<String>,
+    /// Another departure, seconds after T0: with those of all vehicles that have one the fleet passes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub passes_departing_s: Option<f64>,
     /// The objective.
     pub cost: Cost,
     /// Proven: no path that keeps the limits costs less.
@@ -313,6 +317,7 @@ fn planned_vehicle(
         landing_deg: None,
         gives_way_to: Vec::new(),
         blocked_by: Vec::new(),
+        passes_departing_s: planned.passes_departing_s,
         cost: cost(&planned.terms),
         bound: finite(planned.bound),
         estimate: finite(planned.estimate),

@@ -15,7 +15,7 @@ use crate::report::documents::{finite, rounded, verdict};
 use crate::report::map::plan_view;
 use crate::report::scene::{FlownFacts, Scene, VehicleShape};
 use crate::report::words::{self, Ranked, escaped};
-use crate::report::{COLOURS, ReviewInput};
+use crate::report::{COLOURS, ReviewInput, departures_that_pass};
 use crate::verify::{Limit, Topic};
 
 /// Rows of the table of margins; the rest is in `review.json`.
@@ -276,13 +276,16 @@ fn coarse(scene: &Scene) -> String {
 /// Why each vehicle without a path has none; empty if the plan passes.
 fn infeasible(input: &ReviewInput<'_>) -> String {
     let reasons = input.infeasibilities();
-    if reasons.is_empty() {
+    let reasons = reasons.iter().map(ToString::to_string);
+    let helps = input.plan.filter(|_| !input.review.passes());
+    let helps = helps.and_then(|plan| departures_that_pass(input.spec, plan));
+    let items: String = reasons
+        .chain(helps)
+        .map(|reason| format!("<li>{}</li>", escaped(&reason)))
+        .collect();
+    if items.is_empty() {
         return String::new();
     }
-    let items: String = reasons
-        .iter()
-        .map(|reason| format!("<li>{}</li>", escaped(&reason.to_string())))
-        .collect();
     format!(
         "<section id=\"infeasible\"><h2>Why no path</h2><ul>{items}</ul>\
          <p class=\"note\">Crosses on the map mark the worst place of each violation.</p></section>"

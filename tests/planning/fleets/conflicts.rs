@@ -334,6 +334,48 @@ fn a_vehicle_without_a_path_is_told_who_is_in_its_way() {
     assert_eq!(blocked(&dispatched), [vec![], Vec::<usize>::new()]);
 }
 
+/// Two who meet in a corridor that is too narrow and too low for both.
+const HEAD_ON: &str = "sortie: 2
+name: head-on
+area: {south_west: {lat: 47.0, lon: 8.0}, north_east: {lat: 47.0007, lon: 8.03}, min_agl_m: 50, max_amsl_m: 475}
+terrain: {flat: {amsl_m: 400}}
+separation: {distance_m: 50, time_slack_s: 5}
+planner: {evaluations: 500}
+vehicles:
+  - {id: east, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 8, finish: land, start: {lat: 47.0003, lon: 8.010, agl_m: 60}, goal: {lat: 47.0003, lon: 8.025, agl_m: 60}}
+  - {id: west, sysid: 2, autopilot: ardupilot, link: sim, speed_mps: 8, finish: land, start: {lat: 47.0004, lon: 8.024, agl_m: 60}, goal: {lat: 47.0004, lon: 8.008, agl_m: 60}}
+";
+
+#[test]
+fn a_fleet_that_passes_if_one_waits_is_told_how_long() {
+    let departures = |text: &str| {
+        let path = folder().join("head-on.yaml");
+        let file = SpecFile::parse(&path, text.to_owned());
+        let file = file.unwrap_or_else(|error| panic!("{error}"));
+        let world = world::load(&file).unwrap_or_else(|error| panic!("{error}"));
+        let found = dispatch(&file.spec, &world, 1, &|_| ());
+        let plans = found.plan.vehicles.iter();
+        let each: Vec<_> = plans.map(|plan| plan.passes_departing_s).collect();
+        (found.review.passes(), each)
+    };
+    let (passes, each) = departures(HEAD_ON);
+    assert!(!passes);
+    let [None, Some(waits_s)] = each[..] else {
+        panic!("{each:?}")
+    };
+    // East flies 1.1 km, and is out of the way when it has landed.
+    assert!((100.0..250.0).contains(&waits_s), "{waits_s}");
+    let later = HEAD_ON.replace("sysid: 2", &format!("sysid: 2, depart_s: {waits_s}"));
+    assert_eq!(departures(&later), (true, vec![None; 2]));
+    // Nobody waits for one that stays.
+    let stays = HEAD_ON.replace(
+        "speed_mps: 8, finish: land, start: {lat: 47.0003",
+        "speed_mps: 8, finish: loiter, start: {lat: 47.0003",
+    );
+    let stays = stays.replace("lon: 8.025", "lon: 8.016");
+    assert_eq!(departures(&stays), (false, vec![None; 2]));
+}
+
 /// A row of threats with one slot, and two vehicles side by side whose own ways through it keep
 /// them apart.
 #[test]
