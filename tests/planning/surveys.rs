@@ -264,6 +264,31 @@ fn a_hole_is_not_flown_over_and_the_free_heading_is_the_cheapest() {
 }
 
 #[test]
+fn a_line_goes_on_over_a_small_hole_but_not_through_the_mast_in_it() {
+    let hole = corners(&[
+        (36.3008, -84.2516),
+        (36.3008, -84.2504),
+        (36.3017, -84.2504),
+        (36.3017, -84.2516),
+    ]);
+    let open = spec(Autopilot::ArduPilot, 1, field(vec![hole], Some(0.0)));
+    let mut closed = open.clone();
+    closed.threats.push(Threat {
+        id: "mast".to_owned(),
+        kind: String::new(),
+        place: place(36.30125, -84.251),
+        radius_m: 30.0,
+    });
+    let lines = |spec: &MissionSpec| {
+        let sweep = spec.tasks[0].sweep.as_ref().expect("an area");
+        sortie::tasks::lay_out(sweep, &world(spec)).lines.len()
+    };
+    assert!(lines(&closed) > lines(&open));
+    let (_, done) = dispatched(&closed);
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+}
+
+#[test]
 fn the_legs_of_a_pattern_are_flown_in_order_and_a_missing_one_is_named() {
     for pattern in [
         Pattern::ExpandingSquare,

@@ -71,10 +71,11 @@ pub(crate) fn rests_of(
     all.iter().any(|route| !route.is_empty()).then_some(all)
 }
 
-/// What a way with rests must cost less than instead of a route that keeps the limits; nothing where that is near its bound.
+/// What a way with rests must cost less than instead of a route that passes; nothing where that keeps the limits of the
+/// objective as well, near its bound.
 fn worth(context: &RouteContext<'_>, terms: &CostTerms) -> f64 {
-    let cost = terms.length + terms.altitude;
-    match is_far_from_bound(context, cost) {
+    let cost = terms.total();
+    match !terms.keeps_static_limits() || is_far_from_bound(context, cost) {
         true => WORTH * cost,
         false => 0.0,
     }

@@ -1,6 +1,6 @@
 //! The lines of a task, as near to each other as the ground needs.
 
-use geo::Polygon;
+use geo::{Coord, Distance, Euclidean, Point, Polygon};
 
 use super::coverage::{Cells, Pass, seen_by};
 use super::line::{Spacing, SweepLine};
@@ -113,7 +113,8 @@ fn lines(sweep: &Sweep, sensor: &Sensor, world: &World, spacing: Spacing) -> Vec
             let ring = |corners| world.frame.outline(corners).exterior().clone();
             let holes = holes.iter().map(|hole| ring(hole)).collect();
             let area: Polygon<f64> = Polygon::new(ring(polygon), holes);
-            survey::lines(&area, (sensor, agl_m), *heading_rad, spacing)
+            let is_closed = |from: EastNorth, to: EastNorth| is_closed(world, from, to);
+            survey::lines(&area, (sensor, agl_m), *heading_rad, spacing, &is_closed)
         }
         SweepShape::Corridor { line, width_m } => {
             let line: Vec<EastNorth> = line.iter().map(|at| world.frame.to_plan(*at)).collect();
@@ -121,6 +122,22 @@ fn lines(sweep: &Sweep, sensor: &Sensor, world: &World, spacing: Spacing) -> Vec
         }
         SweepShape::Search(_) => Vec::new(),
     }
+}
+
+/// Whether a threat, or a zone that is closed at every height and time, lies on the way between two places.
+fn is_closed(world: &World, from: EastNorth, to: EastNorth) -> bool {
+    let at = |place: EastNorth| Coord {
+        x: place.east_m,
+        y: place.north_m,
+    };
+    let way = geo::Line::new(at(from), at(to));
+    let mut threats = world.threats.iter();
+    let mut zones = world
+        .zones
+        .iter()
+        .filter(|zone| zone.floor.is_none() && zone.ceiling.is_none() && zone.active_s.is_none());
+    threats.any(|disc| Euclidean.distance(&way, &Point(at(disc.center))) <= disc.radius_m)
+        || zones.any(|zone| Euclidean.distance(&way, &zone.outline) <= zone.buffer_m)
 }
 
 /// The share of an area that is seen from lines at their height above the ground.

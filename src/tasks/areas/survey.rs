@@ -6,7 +6,10 @@ use super::line::{Spacing, SweepLine};
 use crate::geodesy::EastNorth;
 use crate::spec::Sensor;
 
-/// A line goes on over a gap that is no longer than this many swaths.
+/// Whether something that is closed at every height lies on the way between two places.
+pub(super) type IsClosed<'c> = dyn Fn(EastNorth, EastNorth) -> bool + 'c;
+
+/// A line goes on over a gap that is no longer than this many swaths, if it is open.
 const GAP_SWATHS: f64 = 2.0;
 /// A share of the swath at the edge of the area that is not relied on.
 const EDGE: f64 = 0.03;
@@ -23,8 +26,10 @@ pub(super) fn lines(
     (sensor, agl_m): (&Sensor, f64),
     heading_rad: Option<f64>,
     spacing: Spacing,
+    is_closed: &IsClosed<'_>,
 ) -> Vec<SweepLine> {
-    let along = |heading_rad: f64| lines_along(area, (sensor, agl_m), heading_rad, spacing);
+    let along =
+        |heading_rad: f64| lines_along(area, (sensor, agl_m), heading_rad, spacing, is_closed);
     if let Some(heading_rad) = heading_rad {
         return along(heading_rad);
     }
@@ -90,6 +95,7 @@ fn lines_along(
     (sensor, agl_m): (&Sensor, f64),
     heading_rad: f64,
     spacing: Spacing,
+    is_closed: &IsClosed<'_>,
 ) -> Vec<SweepLine> {
     let (sin, cos) = heading_rad.sin_cos();
     // x along the lines, y to the right of them.
@@ -130,12 +136,12 @@ fn lines_along(
             y + half_m
         };
         let slab = Rect::new((low.x - 1.0, from), (high.x + 1.0, to)).to_polygon();
-        for (first, last) in spans(&turned, &slab, GAP_SWATHS * swath_m) {
+        let back = |x: f64| turned_back((x, y), (sin, cos));
+        let goes_on = |from: f64, to: f64| {
+            to - from <= GAP_SWATHS * swath_m && !is_closed(back(from), back(to))
+        };
+        for (first, last) in spans(&turned, &slab, goes_on) {
             let (first, last) = at_least_long(first - beyond_m, last + beyond_m);
-            let back = |x: f64| EastNorth {
-                east_m: x * sin + y * cos,
-                north_m: x * cos - y * sin,
-            };
             lines.push(SweepLine {
                 points: vec![back(first), back(last)],
                 is_reversible: true,
@@ -145,6 +151,14 @@ fn lines_along(
     lines
 }
 
+/// A place by its way along the lines and to the right of them.
+fn turned_back((x, y): (f64, f64), (sin, cos): (f64, f64)) -> EastNorth {
+    EastNorth {
+        east_m: x * sin + y * cos,
+        north_m: x * cos - y * sin,
+    }
+}
+
 /// A line has some length even where a picture would do.
 pub(super) fn at_least_long(first: f64, last: f64) -> (f64, f64) {
     const MIN_M: f64 = 10.0;
@@ -152,8 +166,12 @@ pub(super) fn at_least_long(first: f64, last: f64) -> (f64, f64) {
     (first - short, last + short)
 }
 
-/// From where to where along x an area lies in a slab; short gaps are closed.
-fn spans(area: &Polygon<f64>, slab: &Polygon<f64>, gap_m: f64) -> Vec<(f64, f64)> {
+/// From where to where along x an area lies in a slab, gaps over which a line goes on among it.
+fn spans(
+    area: &Polygon<f64>,
+    slab: &Polygon<f64>,
+    goes_on: impl Fn(f64, f64) -> bool,
+) -> Vec<(f64, f64)> {
     let parts = area.intersection(slab);
     let parts = parts.iter().filter(|part| part.unsigned_area() > 1e-3);
     let bounds = parts.filter_map(BoundingRect::bounding_rect);
@@ -162,7 +180,9 @@ fn spans(area: &Polygon<f64>, slab: &Polygon<f64>, gap_m: f64) -> Vec<(f64, f64)
     let mut spans: Vec<(f64, f64)> = Vec::new();
     for (first, last) in each {
         match spans.last_mut() {
-            Some(before) if first - before.1 <= gap_m => before.1 = before.1.max(last),
+            Some(before) if first <= before.1 || goes_on(before.1, first) => {
+                before.1 = before.1.max(last)
+            }
             _ => spans.push((first, last)),
         }
     }

@@ -147,6 +147,8 @@ fn at_corner(found: &Found, number: usize) -> PlanPoint {
 /// Control points of a spline along a line, and the numbers of those in the middle of each corner, the first end counted.
 fn outline(line: &[EastNorth]) -> (Vec<EastNorth>, Vec<usize>) {
     let (mut free, mut numbers) = (Vec::new(), Vec::new());
+    // A cubic along one leg has two free control points at least.
+    let least = if line.len() > 2 { 2.0 } else { 3.0 };
     for (index, pair) in line.windows(2).enumerate() {
         let leg = Line::new(pair.to_vec());
         #[expect(
@@ -154,7 +156,7 @@ fn outline(line: &[EastNorth]) -> (Vec<EastNorth>, Vec<usize>) {
             clippy::cast_sign_loss,
             reason = "limited to the range before"
         )]
-        let pieces = (leg.length_m() / SPAN_M).ceil().clamp(2.0, 1000.0) as usize;
+        let pieces = (leg.length_m() / SPAN_M).ceil().clamp(least, 1000.0) as usize;
         #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
         free.extend((1..pieces).map(|piece| leg.at(piece as f64 / pieces as f64)));
         if index + 2 < line.len() {
@@ -163,4 +165,25 @@ fn outline(line: &[EastNorth]) -> (Vec<EastNorth>, Vec<usize>) {
         }
     }
     (free, numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spline_along_the_shortest_line_has_enough_control_points() {
+        let at = |east_m: f64| EastNorth {
+            east_m,
+            north_m: 0.0,
+        };
+        for (line, corners) in [
+            (vec![at(0.0), at(0.5)], 0),
+            (vec![at(0.0), at(0.5), at(1.0)], 1),
+        ] {
+            let (free, numbers) = outline(&line);
+            assert!(free.len() >= 2, "{free:?}");
+            assert_eq!(numbers.len(), corners);
+        }
+    }
 }
