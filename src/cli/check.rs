@@ -84,6 +84,13 @@ pub(super) fn warn(file: &SpecFile, world: &World) {
     note_warnings(&warnings(file, world));
 }
 
+/// Prints what files of airspace and obstacles may not say as it was meant.
+pub(super) fn warn_of_imports(file: &SpecFile) {
+    let texts = file.imports.iter();
+    let texts = texts.flat_map(|of| import_warning(of).into_iter().chain(unmatched_warnings(of)));
+    note_warnings(&texts.collect::<Vec<_>>());
+}
+
 fn note_warnings(texts: &[String]) {
     for text in texts {
         note(&format!("warning: {text}"));

@@ -28,7 +28,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches};
 
 use args::{Arguments, Command};
-use print::console::{note, note_lines, out_json, out_text};
+use print::console::{has_document, note, note_lines, out_json, out_text};
 use print::failure::Failure;
 
 /// The arguments of a command line. Every option takes a negative number as its value, so that its
@@ -70,10 +70,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match execute(&parsed.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            let document = failure.document();
-            if let Some(document) = document.filter(|_| parsed.command.prints_json()) {
+            if parsed.command.prints_json() && !has_document() {
                 // Where that cannot be written, the lines say it all.
-                let _ = out_json(&document);
+                let _ = out_json(&failure.document());
             }
             if !failure.message.is_empty() {
                 note(&failure.message);

@@ -13,7 +13,7 @@ mod params;
 pub use crate::autopilot::{command, command_name, command_named, frame};
 pub use accept::differences::read_differently;
 pub(crate) use accept::param_fence::{Fence as ParamFence, above_home_m};
-pub use accept::stored::{stored_otherwise, stored_radius_m, stored_turns};
+pub use accept::stored::{stored_hold_s, stored_otherwise, stored_radius_m, stored_turns};
 pub use accept::{AcceptanceProblem, MissionType, problems, problems_in_flight};
 pub use build::encode::home_at;
 pub use build::fence::{FENCE_REACH_S, fence_needs, fence_pieces};

@@ -120,6 +120,15 @@ pub fn read_regular_bytes(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// A text whose lines end with a line feed alone: readers of tables count the others one line late.
+#[must_use]
+pub fn with_line_feeds(text: &[u8]) -> Vec<u8> {
+    let next = text.iter().skip(1).map(Some).chain([None]);
+    let both = text.iter().zip(next);
+    let stays = both.filter(|(byte, next)| **byte != b'\r' || *next != Some(&b'\n'));
+    stays.map(|(byte, _)| *byte).collect()
+}
+
 /// A file name as one word of a shell.
 #[must_use]
 pub fn shell_word(name: &str) -> String {

@@ -68,24 +68,25 @@ pub(super) fn read_zipped(bytes: &[u8]) -> Result<Collection, ShapesError> {
     Ok(all)
 }
 
-/// The text of the first child of that name.
-fn text<'a>(of: Node<'a, '_>, name: &str) -> Option<&'a str> {
+/// The text of the first child of that name: all of it, whatever comments stand between.
+fn text(of: Node<'_, '_>, name: &str) -> Option<String> {
     let mut children = of.children();
     let child = children.find(|child| child.tag_name().name() == name)?;
-    child.text().map(str::trim).filter(|text| !text.is_empty())
+    let parts = child.children().filter(Node::is_text);
+    let whole: String = parts.filter_map(|part| part.text()).collect();
+    Some(whole.trim().to_owned()).filter(|text| !text.is_empty())
 }
 
 fn refuse(document: &Document<'_>, node: Node<'_, '_>, collection: &mut Collection, why: &str) {
     let line = document.text_pos_at(node.range().start).row;
-    let name = text(node, "name").map_or_else(|| format!("line {line}"), str::to_owned);
+    let name = text(node, "name").unwrap_or_else(|| format!("line {line}"));
     let why = format!("line {line}: {}", why.escape_debug());
     collection.refused.push(Refused { name, why });
 }
 
 fn add_placemark(document: &Document<'_>, placemark: Node<'_, '_>, collection: &mut Collection) {
     let number = collection.shapes.len() + collection.refused.len() + 1;
-    let name = text(placemark, "name");
-    let name = name.map_or_else(|| format!("placemark {number}"), str::to_owned);
+    let name = text(placemark, "name").unwrap_or_else(|| format!("placemark {number}"));
     let mut parts = Vec::new();
     flatten(placemark, &mut parts);
     if parts.is_empty() {
@@ -177,13 +178,13 @@ fn polygon(of: Node<'_, '_>) -> Result<(Geometry, Option<Height>), String> {
 
 /// The highest corner of an extruded polygon; KML measures from the EGM96 geoid.
 fn top(polygon: Node<'_, '_>, outer: Node<'_, '_>) -> Result<Option<Height>, String> {
-    let as_height: Option<fn(f64) -> Height> = match text(polygon, "altitudeMode") {
+    let as_height: Option<fn(f64) -> Height> = match text(polygon, "altitudeMode").as_deref() {
         None | Some("clampToGround") => None,
         Some("absolute") => Some(Height::Amsl),
         Some("relativeToGround") => Some(Height::Agl),
         Some(other) => return Err(format!("an altitude mode `{other}`")),
     };
-    if !matches!(text(polygon, "extrude"), Some("1" | "true")) {
+    if !matches!(text(polygon, "extrude").as_deref(), Some("1" | "true")) {
         return Ok(None);
     }
     let highest = corners(outer)?
@@ -198,7 +199,10 @@ fn top(polygon: Node<'_, '_>, outer: Node<'_, '_>) -> Result<Option<Height>, Str
 /// Whether a geometry lies at heights of its own. Clamped to the ground it does not, whatever its
 /// coordinates say.
 fn has_heights(of: Node<'_, '_>) -> bool {
-    let is_clamped = matches!(text(of, "altitudeMode"), None | Some("clampToGround"));
+    let is_clamped = matches!(
+        text(of, "altitudeMode").as_deref(),
+        None | Some("clampToGround")
+    );
     let mut rings = of.descendants();
     !is_clamped
         && rings.any(|ring| {
@@ -215,10 +219,16 @@ fn outline(of: Node<'_, '_>) -> Result<Vec<LatLon>, String> {
 
 /// Places and heights, if there are: longitude, latitude and height with commas, one after the other.
 fn corners(of: Node<'_, '_>) -> Result<Vec<(LatLon, Option<f64>)>, String> {
-    let tuples = text(of, "coordinates")
-        .unwrap_or_default()
-        .split_whitespace();
-    tuples.map(corner).collect()
+    let mut all = (of.children()).filter(|child| child.tag_name().name() == "coordinates");
+    let first = all.next();
+    if all.next().is_some() {
+        return Err("coordinates twice".to_owned());
+    }
+    if first.is_some_and(|of| of.children().any(|child| child.is_element())) {
+        return Err("an element within coordinates".to_owned());
+    }
+    let tuples = text(of, "coordinates").unwrap_or_default();
+    tuples.split_whitespace().map(corner).collect()
 }
 
 fn corner(tuple: &str) -> Result<(LatLon, Option<f64>), String> {

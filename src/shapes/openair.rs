@@ -33,6 +33,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
     for (line, block) in blocks {
         let label = name_of(&block);
         let label = label.unwrap_or_else(|| format!("line {line}"));
+        if let Some((at, record)) = record_after_corners(&block) {
+            let why = format!(
+                "line {}: {record} after corners: a zone begins with AC",
+                line + at
+            );
+            collection.refused.push(Refused { name: label, why });
+            continue;
+        }
         let parsed = with_heights(&block);
         let found: Vec<_> = ::openair::parse(parsed.as_bytes()).collect();
         match <[_; 1]>::try_from(found) {
@@ -88,6 +96,20 @@ fn blocks(text: &str) -> (Option<usize>, Vec<(usize, String)>) {
         }
     }
     (stray, blocks)
+}
+
+/// The first record of a block that can only belong to another zone: the parser would leave out all after it. With
+/// its line, from 0.
+fn record_after_corners(block: &str) -> Option<(usize, &str)> {
+    let is_corner = |line: &str| {
+        let key = line.split_whitespace().next().unwrap_or_default();
+        ["V", "DP", "DC", "DA", "DB"].contains(&key)
+    };
+    let corners = block.lines().position(is_corner)?;
+    let after = block.lines().enumerate().skip(corners);
+    let mut records = after.filter_map(|(at, line)| Some((at, line.get(..2)?)));
+    // AT places a label.
+    records.find(|(_, key)| key.starts_with('A') && *key != "AT")
 }
 
 /// The block with the widest height for each that it leaves out: the shape is closed from the ground or without

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::Issue;
+use crate::numeric::text::with_line_feeds;
 
 /// The file that a spec names as its table, byte for byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,12 +40,13 @@ impl Table {
     /// # Errors
     /// No row of names, a name given twice, and every row with another number of cells.
     pub(super) fn read(file: String, text: &str) -> Result<Self, Vec<Issue>> {
+        let text = with_line_feeds(text.trim_start_matches('\u{feff}').as_bytes());
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .comment(Some(b'#'))
             .trim(csv::Trim::All)
-            .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+            .from_reader(text.as_slice());
         let mut table = Self {
             file,
             ..Self::default()

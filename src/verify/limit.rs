@@ -63,6 +63,8 @@ pub enum Limit {
     FenceLeftOut(String),
     /// Height of a rally point above the ground; rally points count from 1.
     RallyClearance(usize),
+    /// Altitude of a rally point under the ceiling and the greatest height above ground.
+    RallyCeiling(usize),
     /// Distance of a rally point to threats and zones.
     RallyObstacles(usize),
     /// Distance of a rally point to the edge of the area.
@@ -283,7 +285,7 @@ impl Limit {
             Self::TerrainClearance | Self::RallyClearance(_) | Self::MinAltitude => {
                 buffers.terrain_m
             }
-            Self::Ceiling | Self::MaxHeight => buffers.ceiling_m,
+            Self::Ceiling | Self::RallyCeiling(_) | Self::MaxHeight => buffers.ceiling_m,
             // In seconds where two are never in the air together.
             Self::Separation if unit == "m" => buffers.separation_m,
             // A rally point has that of the nearest obstacle already.
@@ -306,6 +308,7 @@ impl Limit {
         match self {
             Self::TerrainClearance => (Topic::Clearance, Some(Repair::Clearance), Basis::Terrain),
             Self::Ceiling => (Other, Some(Repair::Clearance), Basis::Ceiling),
+            Self::RallyCeiling(_) => (Other, None, Basis::Ceiling),
             Self::MaxHeight => (Topic::Height, Some(Repair::Height), Basis::Spec),
             Self::MinAltitude => (Other, Some(Repair::Clearance), Basis::Spec),
             Self::Threat(_) => (Topic::Threat, Some(Repair::Obstacle), Basis::Mission),
@@ -360,6 +363,7 @@ impl fmt::Display for Limit {
             Self::TaskWindow(id) => return write!(f, "window of task {id}"),
             Self::FenceLeftOut(name) => return write!(f, "{name} left out of the fence"),
             Self::RallyClearance(point) => return write!(f, "rally {point}"),
+            Self::RallyCeiling(point) => return write!(f, "ceiling of rally {point}"),
             Self::RallyObstacles(at) => return write!(f, "rally {at} to threats and zones"),
             Self::RallyArea(point) => return write!(f, "rally {point} in the area"),
             Self::RallyFence(point) => return write!(f, "rally {point} in the fence"),
@@ -386,10 +390,8 @@ impl fmt::Display for Limit {
             Self::Start => "start", Self::Goal => "goal", Self::Finish => "finish",
             Self::Departure => "departure", Self::Speed => "speed",
             Self::FlyableSpeed => "airspeed",
-            Self::ClimbAngle => "climb angle",
-            Self::DescentAngle => "descent angle",
-            Self::ClimbSpeed => "climb speed",
-            Self::DescentSpeed => "descent speed",
+            Self::ClimbAngle => "climb angle", Self::DescentAngle => "descent angle",
+            Self::ClimbSpeed => "climb speed", Self::DescentSpeed => "descent speed",
             Self::TurnFit => "turn fit",
             Self::TakeoffHeading => "takeoff heading",
             Self::LandingHeading => "landing heading",

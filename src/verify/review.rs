@@ -342,7 +342,7 @@ impl<'a> Sortie<'a> {
             let why = "the wind of the spec is not the one that carries this wing";
             margins.push(Margin::unjudged(id, Limit::Wind, why));
         }
-        margins.extend(space.rally_margins(id, self.mission, self.stands.amsl, fence));
+        margins.extend(space.rally_margins((id, layer), self.mission, self.stands.amsl, fence));
         margins
     }
 

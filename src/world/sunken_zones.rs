@@ -10,10 +10,18 @@ use crate::spec::{MissionSpec, Placement, Zone};
 /// Rows and columns of the points at which the ground is looked at.
 const SIDE: u32 = 12;
 
-/// A warning for each zone whose ceiling above the sea is under the ground, or under its floor above
+/// A warning for each zone whose ceiling is not over the ground, or under its floor above
 /// ground, wherever that is known.
 pub(super) fn warnings(spec: &MissionSpec, world: &World) -> Vec<String> {
     let sunken = spec.no_fly.iter().filter_map(|zone| {
+        if let Some(Placement::Agl(Agl(ceiling_m))) = zone.ceiling
+            && ceiling_m <= 0.0
+        {
+            return Some(format!(
+                "zone {} closes nothing: its ceiling of {ceiling_m} m above the ground is not over it",
+                zone.id
+            ));
+        }
         let Some(Placement::Amsl(Amsl(ceiling_m))) = zone.ceiling else {
             return None;
         };

@@ -86,6 +86,7 @@ fn a_zone_whose_ceiling_is_under_the_ground_is_warned_of_by_check_and_plan() {
                    is at 400 m or more there; is it in feet, or above the ground (agl_m)?";
     assert!(!of("amsl_m: 401").contains("closes nothing"));
     assert!(!of("agl_m: 120").contains("closes nothing"));
+    assert!(of("agl_m: 0").contains("closes nothing: its ceiling of 0 m above the ground"));
     let turned = "zone ctr closes nothing: its floor of 100 m above the ground, which is at 400 m or more there, is over \
                   its ceiling of 480 m above mean sea level";
     assert!(of("amsl_m: 480}, floor: {agl_m: 100").contains(turned));
@@ -437,8 +438,12 @@ fn every_row_of_obstacles_that_is_wrong_is_named_up_to_ten() {
     for (wrong, more) in [(7, None), (13, Some("3 more rows that are wrong"))] {
         let rows = "36.3,-84.2,high\n".repeat(wrong);
         let table = format!("lat,lon,height_m\n36.3,-84.2,40\n{rows}");
-        fs::write(folder.path().join("masts.csv"), table).unwrap();
-        let err = text(&sortie(folder.path(), &["check", "zones.yaml"]).stderr);
+        let said = |table: &str| {
+            fs::write(folder.path().join("masts.csv"), table).unwrap();
+            text(&sortie(folder.path(), &["check", "zones.yaml"]).stderr)
+        };
+        let err = said(&table);
+        assert_eq!(said(&table.replace('\n', "\r\n")), err);
         for line in 3..3 + wrong.min(10) {
             let named = format!("line {line}: `high` is no number");
             assert!(err.contains(&named), "{err}");

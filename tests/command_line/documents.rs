@@ -173,6 +173,14 @@ fn a_dry_run_says_in_json_what_would_be_sent() {
     assert_eq!(document["vehicles"][1]["vehicle"], "bravo");
     let items = document["vehicles"][1]["items"].as_u64().expect("a number");
     assert!(items > 2, "{items}");
+    // What is not even looked at has a document too.
+    let alpha = folder.path().join("out/pair/alpha.waypoints");
+    fs::copy(folder.path().join("out/pair/bravo.waypoints"), alpha).expect("a file is copied");
+    let output = sortie(folder.path(), &["review", "out/pair", "--json"]);
+    assert_eq!(output.status.code(), Some(4));
+    let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    is_of_schema(&document, "check");
+    assert_eq!(document["verdict"], "fail");
 }
 
 #[test]

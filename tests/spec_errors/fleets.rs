@@ -131,6 +131,7 @@ x5,36.21,-84.38,36.39,-84.35,,
         found,
         ["fleet.csv: row 5: 5 cells (allowed: 7, as in the row of names)"]
     );
+    assert_eq!(said(&fleet(TABLE), &table.replace('\n', "\r\n")), found);
     let table = table.replace("x4,36.21,-84.38,36.39,-84.35\n", "");
     let found = said(&fleet(TABLE), &table);
     let starts = [

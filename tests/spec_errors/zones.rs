@@ -332,6 +332,20 @@ POINT (-84.20 36.30),mast,90,20,
 }
 
 #[test]
+fn a_column_of_obstacles_that_stands_twice_is_refused() {
+    for (names, twice) in [
+        ("lat,lon,height_m,height_m", "height_m"),
+        ("lat,lon,height_m,LAT", "LAT"),
+    ] {
+        let table = format!("{names}\n47.4,8.51,10,100\n");
+        let files = [("masts.csv", table.as_str())];
+        let error = read_beside(&files, "obstacles: [{file: masts.csv}]\n").expect_err(names);
+        let said = format!("column `{twice}` stands twice");
+        assert!(error.join("\n").contains(&said), "{error:?}");
+    }
+}
+
+#[test]
 fn a_table_whose_geometry_is_not_read_names_what_converts_it() {
     for (row, why) in [
         ("0101000000,90", "line 2, column wkt: `0101000000`"),

@@ -295,6 +295,25 @@ fn turns_that_no_autopilot_flies_so_are_not_judged() {
         let note = judged(&judge(&spec, &mission)).expect_err("not judged");
         assert!(note.contains(why), "{note}");
     }
+    // 2 m from the rim ArduCopter circles at once, at the altitude that it has.
+    for (higher_m, is_judged) in [(0.0, true), (1.5, false), (4.0, true)] {
+        let params = [1.0, 0.0, 98.0, 0.0];
+        let (spec, mission) = flown(&[
+            waypoint(spot(400.0, 0.0), UP_M),
+            circle(
+                command::NAV_LOITER_TURNS,
+                spot(500.0, 0.0),
+                UP_M + higher_m,
+                params,
+            ),
+            waypoint(spot(400.0, 300.0), UP_M),
+        ]);
+        assert_eq!(
+            judged(&judge(&spec, &mission)).is_ok(),
+            is_judged,
+            "{higher_m}"
+        );
+    }
 }
 
 #[test]

@@ -1164,6 +1164,10 @@ fn a_rally_point_is_clear_of_the_ground_threats_and_zones_and_inside_the_area() 
             .abs()
             < 1e-9
     );
+    let ceiling_m = spec.area.max_amsl.0;
+    let high = rally(place(36.305, -84.26), 5000.0);
+    let margin = only_failure(&high, Limit::RallyCeiling(1));
+    assert!(margin.value > 5000.0 && (margin.bound - ceiling_m).abs() < 1e-9);
     let masked = rally(place(36.31, -84.252), 60.0);
     let margin = only_failure(&masked, Limit::RallyObstacles(1));
     assert!((margin.value - (179.7 - 300.0)).abs() < 0.5, "{margin:?}");

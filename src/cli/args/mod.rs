@@ -269,7 +269,7 @@ pub(super) struct Limits {
     #[arg(long)]
     pub(super) no_terrain: bool,
     /// Minimum height above ground, metres [default: 0]
-    #[arg(long, value_name = "M", value_parser = finite, requires = "terrain")]
+    #[arg(long, value_name = "M", value_parser = finite, requires = "terrain", conflicts_with = "no_terrain")]
     pub(super) min_agl: Option<f64>,
     /// Ceiling, metres above mean sea level
     #[arg(long, value_name = "M", value_parser = finite)]

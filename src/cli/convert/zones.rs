@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     };
     if arguments.json {
         out_json(&report)?;
-        return complete(&report).map_err(Failure::with_document);
+        return complete(&report);
     }
     for refused in &report.refused {
         note(&format!("refused: {refused}"));

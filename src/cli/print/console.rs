@@ -37,8 +37,17 @@ pub(crate) fn out_json<D: Serialize>(document: &D) -> Result<(), Failure> {
     out_json_text(&json_text(document))
 }
 
+/// Whether stdout has its one JSON document.
+static HAS_DOCUMENT: AtomicBool = AtomicBool::new(false);
+
+/// Whether a JSON document was printed.
+pub(crate) fn has_document() -> bool {
+    HAS_DOCUMENT.load(Ordering::Relaxed)
+}
+
 /// Prints the text of a JSON document, hidden characters escaped as JSON has them.
 pub(crate) fn out_json_text(text: &str) -> Result<(), Failure> {
+    HAS_DOCUMENT.store(true, Ordering::Relaxed);
     print(&text::escaped_json(text.trim_end()))
 }
 

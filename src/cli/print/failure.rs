@@ -17,8 +17,6 @@ pub(crate) struct Failure {
     pub(crate) more: Vec<String>,
     /// The problems of a spec that these lines are.
     issues: Vec<Issue>,
-    /// Whether the command printed its document before it failed.
-    has_document: bool,
 }
 
 /// An exit code of the contract.
@@ -67,23 +65,11 @@ impl Failure {
             message: problems.next().unwrap_or_default(),
             more: problems.collect(),
             issues: Vec::new(),
-            has_document: false,
         }
     }
 
-    /// Of a command whose document says what failed.
-    pub(crate) fn with_document(self) -> Self {
-        Self {
-            has_document: true,
-            ..self
-        }
-    }
-
-    /// What `--json` prints instead of a document where a spec or an input file is bad.
-    pub(crate) fn document(&self) -> Option<CheckDocument> {
-        if self.code != Self::INPUT || self.has_document {
-            return None;
-        }
+    /// What `--json` prints of a command that failed before it had a document.
+    pub(crate) fn document(&self) -> CheckDocument {
         let lines = std::iter::once(&self.message).chain(&self.more);
         let of_line = |line: &String| Issue {
             path: String::new(),
@@ -92,10 +78,10 @@ impl Failure {
             found: line.clone(),
             allowed: String::new(),
         };
-        Some(match self.issues.as_slice() {
+        match self.issues.as_slice() {
             [] => CheckDocument::of_issues(&lines.map(of_line).collect::<Vec<_>>()),
             issues => CheckDocument::of_issues(issues),
-        })
+        }
     }
 }
 

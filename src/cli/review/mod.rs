@@ -8,6 +8,7 @@ pub(super) mod without_spec;
 use std::path::{Path, PathBuf};
 
 use super::args;
+use super::check;
 use super::folder::missions::{Files, assign};
 use super::folder::{self, replace};
 use super::print::console::{Paint, note, out, out_json, out_lines, warn_of_parked};
@@ -87,6 +88,7 @@ fn with_spec(
     }
     let file = SpecFile::read_known(spec).map_err(world::with_ground)?;
     let world = world::load(&file)?;
+    check::warn_of_imports(&file);
     let (missions, paths) = missions(&file, &world, files, named)?;
     let own = missions.iter().map(|(_, mission)| mission);
     folders::refuse_disagreeing(&arguments.files, paths.values().zip(own))?;

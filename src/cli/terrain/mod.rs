@@ -69,7 +69,7 @@ fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
     if bad.is_empty() {
         Ok(())
     } else {
-        Err(Failure::all(Failure::INPUT, bad).with_document())
+        Err(Failure::all(Failure::INPUT, bad))
     }
 }
 

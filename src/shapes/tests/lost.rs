@@ -97,6 +97,28 @@ fn openair_opens_no_zone_by_what_it_does_not_read() {
 }
 
 #[test]
+fn what_follows_the_corners_of_a_zone_of_openair_is_not_dropped() {
+    let near = "DP 50:00:00 N 010:40:00 E\nDP 50:01:00 N 010:40:00 E\nDP 50:01:00 N 010:41:00 E\n";
+    let far = "V X=47:00:00 N 008:00:00 E\nDC 1\n";
+    for (second, at) in [
+        ("AN Y\nAL GND\nAH UNL\n", 7),
+        ("AL GND\n", 7),
+        ("AY CTR\n", 7),
+    ] {
+        let text = format!("AC P\nAN Z\nAL GND\nAH UNL\n{far}{second}{near}AC P\nAN last\n{near}");
+        let found = shapes("a.txt", &text);
+        assert_eq!(refused(&found), ["Z"]);
+        let record = &second[..2];
+        let why = format!("line {at}: {record} after corners: a zone begins with AC");
+        assert_eq!(found.refused[0].why, why);
+        assert_eq!(found.shapes.len(), 1);
+    }
+    // Where a label is placed may stand anywhere.
+    let labelled = format!("AC P\nAN Z\nAL GND\nAH UNL\n{near}AT 50:00:00 N 010:40:00 E\n");
+    assert_eq!(shapes("a.txt", &labelled).shapes.len(), 1);
+}
+
+#[test]
 fn coordinates_of_openair_have_fewer_than_sixty_minutes_and_seconds() {
     let of = |corner: &str| {
         let corners =
@@ -172,6 +194,29 @@ fn openair_is_written_no_smaller_below_the_sea() {
 }
 
 const RING: &str = "<outerBoundaryIs><LinearRing><coordinates>8,47 8.01,47 8.01,47.01 8,47</coordinates></LinearRing></outerBoundaryIs>";
+
+#[test]
+fn a_comment_within_coordinates_cuts_nothing_off_and_what_else_is_in_them_is_refused() {
+    let of = |inside: &str| {
+        let ring = format!("<outerBoundaryIs><LinearRing>{inside}</LinearRing></outerBoundaryIs>");
+        let text = format!(
+            "<kml><Placemark><name>a<!-- x -->b</name><Polygon>{ring}</Polygon></Placemark></kml>"
+        );
+        shapes("a.kml", &text)
+    };
+    let whole = of("<coordinates>8,47 8.01,47 8.01,47.01 8,47.01 8,47</coordinates>");
+    let cut = of(
+        "<coordinates>8,47 8.01,47 8.01,47.01 <!-- north --> 8,47.01 <?x y?><![CDATA[8,47]]></coordinates>",
+    );
+    assert_eq!(named(&whole, "ab").geometry, named(&cut, "ab").geometry);
+    let more = "8,47 8.01,47 8.01,47.01 8,47";
+    for inside in [
+        format!("<coordinates>{more}</coordinates><coordinates>{more}</coordinates>"),
+        format!("<coordinates>8,47 8.01,47 <b/> {more}</coordinates>"),
+    ] {
+        assert_eq!(refused(&of(&inside)), ["ab"], "{inside}");
+    }
+}
 
 #[test]
 fn every_geometry_of_a_placemark_is_read_whatever_others_it_has() {

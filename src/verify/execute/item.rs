@@ -2,7 +2,7 @@
 
 use crate::autopilot::{Airframe, Autopilot, Motion, command_row, facts};
 use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
-use crate::mission::{Item, command, frame, stored_radius_m, stored_turns};
+use crate::mission::{Item, command, frame, stored_hold_s, stored_radius_m, stored_turns};
 use crate::world::World;
 
 /// An altitude as an item gives it.
@@ -117,7 +117,7 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
         command::NAV_LOITER_TIME => Ok(Order::Fly {
             at: own_place(item, here)?,
             height: own_height(item, autopilot, home)?,
-            hold_s: Some(seconds(item.params[0])?).filter(|&hold_s| {
+            hold_s: Some(hold_s(item.params[0], autopilot)?).filter(|&hold_s| {
                 let stops = facts(autopilot, Airframe::Copter).stops;
                 hold_s > 0.0 || stops.at_timed_loiter
             }),
@@ -294,6 +294,9 @@ pub(crate) fn place(item: &Item) -> Result<LatLon, String> {
     })
 }
 
+/// Above and below all that flies, metres: a climb there would be followed for ever.
+const MAX_ALTITUDE_M: f64 = 100_000.0;
+
 /// The altitude of an item with the reference of its frame.
 ///
 /// ArduPilot keeps whole centimetres, truncated toward zero (measured on 4.6.3).
@@ -301,6 +304,9 @@ pub(crate) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<He
     let z_m = f64::from(item.z);
     if !z_m.is_finite() {
         return Err(format!("the altitude is {z_m}"));
+    }
+    if z_m.abs() > MAX_ALTITUDE_M {
+        return Err(format!("an altitude of {z_m} m, at which nothing flies"));
     }
     let z_m = match autopilot.conventions().packs_items {
         true => (z_m * 100.0).trunc() / 100.0,
@@ -358,12 +364,10 @@ pub(crate) fn rally(
     Ok((place, amsl, amsl.above_ground(ground).0))
 }
 
-/// The hold time of a waypoint: ArduPilot keeps it as `uint16`, wrapping (measured on 4.6.3).
-fn hold_s(param: f32, autopilot: Autopilot) -> Result<f64, String> {
+/// The time of a waypoint or a timed circle: ArduPilot keeps it as `uint16`, wrapping (measured on 4.6.3).
+pub(crate) fn hold_s(param: f32, autopilot: Autopilot) -> Result<f64, String> {
     match autopilot {
-        Autopilot::ArduPilot if param.is_finite() => {
-            Ok(f64::from(param).trunc().rem_euclid(65536.0))
-        }
+        Autopilot::ArduPilot if param.is_finite() => Ok(stored_hold_s(param.into())),
         // NaN is PX4's "default", which is no hold.
         Autopilot::Px4 if param.is_nan() => Ok(0.0),
         _ => seconds(param),
@@ -387,10 +391,40 @@ fn delay_s(item: &Item, autopilot: Autopilot) -> Result<f64, String> {
     .map_err(|()| "a delay until a time of day is not known after T0".to_owned())
 }
 
-pub(crate) fn seconds(param: f32) -> Result<f64, String> {
+fn seconds(param: f32) -> Result<f64, String> {
     if param >= 0.0 && param.is_finite() {
         Ok(f64::from(param))
     } else {
         Err(format!("a time of {param} s"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_altitude_at_which_nothing_flies_is_none() {
+        for (z, is_one) in [
+            (-1e9, false),
+            (90_000.0, true),
+            (1e8, false),
+            (f32::NAN, false),
+        ] {
+            let item = Item {
+                z,
+                ..Item::without_place(command::NAV_WAYPOINT, [0.0; 4])
+            };
+            let found = height(&item, Autopilot::Px4, Amsl(0.0));
+            assert_eq!(found.is_ok(), is_one, "{z}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn ardupilot_holds_for_whole_seconds_alone() {
+        for (sent, holds_s) in [(0.9, 0.0), (3.5, 3.0), (65536.5, 0.0)] {
+            assert_eq!(hold_s(sent, Autopilot::ArduPilot), Ok(holds_s), "{sent}");
+        }
+        assert_eq!(hold_s(0.5, Autopilot::Px4), Ok(0.5));
     }
 }

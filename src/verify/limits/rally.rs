@@ -1,8 +1,8 @@
 //! Rally points: where a vehicle goes, and may land, when something is wrong.
 //!
 //! From where it comes is not known, so only the point itself is judged: it keeps
-//! the minimum height, and lies in the area and the fence and outside of threats and
-//! zones, at whatever height these end: the vehicle lands there.
+//! the minimum height and the ceiling, and lies in the area and the fence and outside of
+//! threats and zones, at whatever height these end: the vehicle lands there.
 
 use crate::geodesy::Amsl;
 use crate::mission::VehicleMission;
@@ -15,13 +15,13 @@ use crate::verify::measure::outline::Keep;
 use crate::verify::measure::segment::Stretch;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
-use crate::world::floor_over;
+use crate::world::{Layer, floor_over};
 
 impl Space<'_> {
     /// The margins of the rally points of a mission.
     pub(crate) fn rally_margins(
         &self,
-        id: &str,
+        (id, layer): (&str, Layer),
         mission: &VehicleMission,
         home: Amsl,
         fence: &Fence,
@@ -38,6 +38,7 @@ impl Space<'_> {
                         item: 0,
                     };
                     margins.extend(self.rally_point((id, number), at, agl_m, fence));
+                    margins.extend(self.rally_ceiling((id, number), at, agl_m, layer));
                 }
                 Err(why) => {
                     margins.push(Margin::unjudged(id, Limit::RallyClearance(number), why));
@@ -45,6 +46,20 @@ impl Space<'_> {
             }
         }
         margins
+    }
+
+    /// The vehicle flies there at the altitude of the point.
+    fn rally_ceiling(
+        &self,
+        (id, number): (&str, usize),
+        at: Moment,
+        agl_m: f64,
+        layer: Layer,
+    ) -> Option<Margin> {
+        let over_ground_m = at.amsl.0 - agl_m + layer.max_agl_m;
+        let mut worst = Worst::default();
+        worst.at_most(at.amsl.0, self.world.max_amsl.0.min(over_ground_m), || at);
+        worst.margin(id, Limit::RallyCeiling(number), "m")
     }
 
     fn rally_point(

@@ -162,9 +162,22 @@ impl<'a> Node<'a> {
         if units.is_some_and(|metres| (metres - 1.0).abs() > 1e-9) {
             return other("which are not in metres");
         }
-        // Esri names the datum of an ellipsoid where heights have a vertical one.
-        if self.child(&["DATUM"]).is_some() {
+        // Esri names the datum of an ellipsoid where heights have a vertical one; in others its kind is 2002
+        // (OGC 01-009, CS_VD_Ellipsoidal).
+        let datum = self.child(&["VERT_DATUM", "VERTDATUM"]);
+        let kind = datum.and_then(|datum| datum.values.get(1));
+        if self.child(&["DATUM"]).is_some() || kind.is_some_and(|kind| *kind == "2002") {
             return other("which are metres above an ellipsoid");
+        }
+        let is_shift = |node: &&Self| {
+            let [name, value] = node.values[..] else {
+                return false;
+            };
+            let value: f64 = value.parse().unwrap_or(f64::NAN);
+            name.eq_ignore_ascii_case("vertical_shift") && value.abs().total_cmp(&0.0).is_ne()
+        };
+        if self.children.iter().any(|node| is_shift(&node)) {
+            return other("which are shifted");
         }
         let is_down = |node: &&Self| {
             let direction = ["direction", "down"];
@@ -267,6 +280,14 @@ mod tests {
             (
                 r#"VERTCS["WGS_1984",DATUM["D_WGS_1984"],UNIT["Meter",1.0]]"#,
                 "ellipsoid",
+            ),
+            (
+                r#"COMPD_CS["both",PROJCS["x",AUTHORITY["EPSG","25832"]],VERT_CS["Ellipsoid (metre)",VERT_DATUM["Ellipsoid",2002],UNIT["metre",1],AXIS["Up",UP]]]"#,
+                "ellipsoid",
+            ),
+            (
+                r#"VERTCS["x",VDATUM["x"],PARAMETER["Vertical_Shift",100.0],PARAMETER["Direction",1.0],UNIT["Meter",1.0]]"#,
+                "shifted",
             ),
             (
                 r#"VERTCS["Depth",VDATUM["x"],PARAMETER["Direction",-1.0],UNIT["Meter",1.0]]"#,

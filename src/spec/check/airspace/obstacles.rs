@@ -6,7 +6,7 @@ use super::super::super::{Placement, Zone};
 use super::super::map::Map;
 use super::{Checker, Dropped, MAX_CORNERS, free_id, has_axes_swapped, is_far, shaped_table};
 use crate::geodesy::{Agl, EastNorth, LatLon, LocalFrame};
-use crate::numeric::text::meant;
+use crate::numeric::text::{meant, with_line_feeds};
 use crate::shapes::{self, Geometry, Shape};
 
 /// What is measured of a mast in a table.
@@ -222,12 +222,19 @@ fn mast(
 /// The rows of a table with the columns lat, lon, height_m, and perhaps radius_m and id; or with a column of
 /// well-known text in place of lat and lon.
 fn rows(file: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, Vec<String>> {
+    let bytes = with_line_feeds(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
-        .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+        .from_reader(bytes.as_slice());
     let names = reader.headers();
     let names = names.map_err(|error| vec![error.to_string()])?.clone();
+    if let Some(twice) = shaped_table::twice(&names) {
+        let column = twice.escape_debug();
+        return Err(vec![format!(
+            "column `{column}` stands twice (allowed: each once)"
+        )]);
+    }
     let column = |name: &str| shaped_table::column(&names, name);
     let records: Result<Vec<_>, _> = reader.records().collect();
     let records = records.map_err(|error| vec![error.to_string()])?;

@@ -15,6 +15,16 @@ pub(super) fn column(names: &csv::StringRecord, name: &str) -> Option<usize> {
     names.iter().position(|of| of.eq_ignore_ascii_case(name))
 }
 
+/// A name that two columns have.
+pub(super) fn twice(names: &csv::StringRecord) -> Option<&str> {
+    let mut numbered = names.iter().enumerate();
+    let (_, name) = numbered.find(|(index, name)| {
+        let mut before = names.iter().take(*index);
+        !name.is_empty() && before.any(|other| other.eq_ignore_ascii_case(name))
+    })?;
+    Some(name)
+}
+
 /// The column with the geometry: of such a name, and with well-known text or without another place in
 /// the table.
 pub(super) fn geometry_column(

@@ -20,6 +20,9 @@ use crate::verify::measure::segment::Segment;
 
 /// Nearer to the middle than this it begins its circle where it is, metres.
 const NEAR_M: f64 = 3.0;
+/// Altitudes that differ by no more are the same, metres. Where the nearest place of its rim is less than 3 m away it circles
+/// at once, at the altitude that it has (`ModeAuto::circle_movetoedge_start`).
+const LEVEL_M: f64 = 0.5;
 /// Share of the acceleration that turns it.
 const SHARE: f64 = 0.5;
 /// `AC_CIRCLE_RADIUS_MAX`, metres.
@@ -76,6 +79,13 @@ impl Pilot<'_> {
         let radius_m = self.orbit_radius_m(circle, mission);
         if radius_m.abs() < 1.0 {
             return Unknown::err(row, "a circle without a radius turns on the spot");
+        }
+        let (climb_m, rim_m) = (amsl_m - from.amsl_m, away_m - radius_m.abs());
+        if climb_m.abs() > LEVEL_M && rim_m.hypot(climb_m) <= NEAR_M {
+            return Unknown::err(
+                row,
+                "a circle that begins less than 3 m from its rim at another altitude: it keeps that of the place before",
+            );
         }
         let edge = self.circle_edge((row, middle, radius_m.abs()), (amsl_m, agl_m), mission);
         let knot = self.knot(row, edge, amsl_m, agl_m);

@@ -45,7 +45,7 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
             circled(item, mission, home, (circle.until, circle.radius_m))
         }
         command::NAV_LOITER_TIME => {
-            let seconds = Until::Seconds(item::seconds(item.params[0])?);
+            let seconds = Until::Seconds(item::hold_s(item.params[0], autopilot)?);
             circled(item, mission, home, (seconds, third))
         }
         command::NAV_LOITER_TO_ALT => circled(item, mission, home, (Until::Altitude, second)),

@@ -10,6 +10,7 @@ use crate::mission::{self, Item, command};
 use crate::path::takeoff_lateness_s;
 use crate::spec::{MissionSpec, Span, Stop, Task};
 use crate::verify::execute::flight::Rest;
+use crate::verify::execute::item;
 use crate::verify::{Limit, Margin, Requirement};
 use crate::world::World;
 
@@ -276,9 +277,10 @@ impl MissionCheck<'_> {
         let stays_s = rest.until_s - rest.from_s;
         let (before, after) = items.split_at(index.map_or(0, |index| index + 1 - first));
         let hold_s = |item: &Item| match item.command {
-            command::NAV_WAYPOINT | command::NAV_LOITER_TIME | command::NAV_DELAY => {
-                Some(f64::from(item.params[0])).filter(|hold_s| *hold_s >= 0.0)
+            command::NAV_WAYPOINT | command::NAV_LOITER_TIME => {
+                item::hold_s(item.params[0], self.mission.autopilot).ok()
             }
+            command::NAV_DELAY => Some(f64::from(item.params[0])).filter(|hold_s| *hold_s >= 0.0),
             command if command > command::NAV_LAST => Some(0.0),
             _ => None,
         };
