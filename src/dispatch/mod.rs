@@ -122,7 +122,7 @@ pub fn dispatch(
 
 fn dispatch_as(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
     let mut done = with_free_orders(spec, world, run);
-    done.explain(run, dispatch_in_rounds);
+    done.explain(spec, run, dispatch_in_rounds);
     done
 }
 

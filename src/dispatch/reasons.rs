@@ -23,9 +23,14 @@ pub(super) struct Unexplained {
 }
 
 impl Dispatched {
-    /// Says of a fleet that breaks limits who has no path and why, and with which departures it passes.
-    /// `dispatch` plans it once more for those.
-    pub(super) fn explain(&mut self, run: Run<'_>, dispatch: impl Fn(Job<'_>) -> Dispatched) {
+    /// Says of a fleet of a spec that breaks limits who has no path and why, and with which departures it
+    /// passes. `dispatch` plans it once more for those.
+    pub(super) fn explain(
+        &mut self,
+        specified: &MissionSpec,
+        run: Run<'_>,
+        dispatch: impl Fn(Job<'_>) -> Dispatched,
+    ) {
         let Some(from) = self.unexplained.take() else {
             return;
         };
@@ -37,8 +42,11 @@ impl Dispatched {
             world,
             strictness,
         } = *from;
-        // The flights of tasks are judged on another spec.
-        if self.tasks.is_none() && run.earlier.is_none() {
+        // The flights of tasks are judged on another spec, and zones that were left out for their times may be closed
+        // later.
+        let mut zones = specified.no_fly.iter();
+        let has_times = zones.any(|zone| zone.active_s.is_some());
+        if self.tasks.is_none() && run.is_nested && !has_times {
             self.try_departures((&spec, &world), run, dispatch);
         }
         self.add_blockers(&spec, &world, run.seed, strictness);

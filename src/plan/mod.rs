@@ -78,7 +78,7 @@ pub struct VehiclePlan {
     /// Indices of the earlier vehicles that leave it no path within the limits; set by
     /// [`FleetPlan::name_blockers`].
     pub blocked_by: Vec<usize>,
-    /// Blocking set, proven and set by the same: the obstacles that close every path of one of
+    /// Blocking set, proven and set by [`FleetPlan::name_the_cut_off`]: the obstacles that close every path of one of
     /// its routes, in a row around an end of it. Empty without a proof.
     pub blocking_set: Vec<BlockingElement>,
     /// Relaxations with which it has a path. `None` if they were not tried, because one of the

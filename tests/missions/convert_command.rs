@@ -165,6 +165,9 @@ fn ardupilot_to_px4_names_frames_commands_and_what_is_read_differently() {
             "3 0 3 18 2 0 50 0 36.31 -84.25 30 1",
             "4 0 3 177 2 1 0 0 0 0 0 1",
             "5 0 3 20 0 0 0 0 0 0 0 1",
+            "6 0 3 16 0 0 0 0 36.31 -84.24 0 1",
+            "7 0 3 16 0 0 0 0 0 0 30 1",
+            "8 0 3 22 0 0 0 0 36.302 -84.25 30 1",
         ],
     );
     let plan = folder.path().join("a.plan");
@@ -180,9 +183,12 @@ fn ardupilot_to_px4_names_frames_commands_and_what_is_read_differently() {
     }
     let different = said(&report, "read_differently");
     for part in [
-        "items 1-2: param4: PX4 turns to this heading",
+        "items 1-2, 6-8: param4: PX4 turns to this heading",
         "item 2: param2: the acceptance radius",
         "item 5: returns at the altitude",
+        "item 6: altitude 0: ArduPilot keeps the altitude that it has",
+        "item 7: latitude and longitude 0",
+        "item 8: takes off at a place away from home",
     ] {
         assert!(different.contains(part), "{different}");
     }

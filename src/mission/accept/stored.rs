@@ -60,11 +60,10 @@ fn differs(sent: f64, stored: f64) -> bool {
     sent.is_finite() && (sent - stored).abs() > 1e-9
 }
 
-fn circle(params: [f32; 4]) -> Vec<String> {
-    let [turns, _, radius_m, _] = params.map(f64::from);
-    let (turned, stored_m) = (stored_turns(turns), stored_radius_m(radius_m));
-    let turns = differs(turns, turned).then(|| format!("{turned} turns instead of {turns}"));
-    let radius = differs(radius_m, stored_m)
+fn circle([turns, _, radius_m, _]: [f32; 4]) -> Vec<String> {
+    let (turned, stored_m) = (stored_turns(turns.into()), stored_radius_m(radius_m.into()));
+    let turns = differs(turns.into(), turned).then(|| format!("{turned} turns instead of {turns}"));
+    let radius = differs(radius_m.into(), stored_m)
         .then(|| format!("a radius of {stored_m} m instead of {radius_m} m"));
     turns.into_iter().chain(radius).collect()
 }

@@ -166,7 +166,7 @@ pub(super) fn at_least_long(first: f64, last: f64) -> (f64, f64) {
     (first - short, last + short)
 }
 
-/// From where to where along x an area lies in a slab, gaps over which a line goes on among it.
+/// From where to where along x an area lies in a slab, with the gaps over which a line goes on.
 fn spans(
     area: &Polygon<f64>,
     slab: &Polygon<f64>,

@@ -341,7 +341,7 @@ pub(crate) fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Resul
     })
 }
 
-/// Place, altitude and height above ground (metres) of a rally point.
+/// Place, altitude and height above ground (metres, where the ground is known) of a rally point.
 ///
 /// ArduPilot keeps whole metres, truncated (measured on 4.6.3).
 pub(crate) fn rally(
@@ -349,19 +349,23 @@ pub(crate) fn rally(
     autopilot: Autopilot,
     home: Amsl,
     world: &World,
-) -> Result<(LatLon, Amsl, f64), String> {
+) -> Result<(LatLon, Amsl, Result<f64, String>), String> {
     let mut stored = *item;
     if autopilot.conventions().packs_items {
         stored.z = stored.z.trunc();
     }
     let place = place(&stored)?;
-    let ground = world.terrain.height(place).map_err(|gap| gap.to_string())?;
+    let ground = world.terrain.height(place).map_err(|gap| gap.to_string());
     let amsl = match height(&stored, autopilot, home)? {
         Height::Sea(amsl) => amsl,
-        Height::Ground(agl) => agl.over(ground),
+        Height::Ground(agl) => agl.over(ground.clone()?),
         Height::Keep { .. } => return Err("a rally point without an altitude".to_owned()),
     };
-    Ok((place, amsl, amsl.above_ground(ground).0))
+    Ok((
+        place,
+        amsl,
+        ground.map(|ground| amsl.above_ground(ground).0),
+    ))
 }
 
 /// The time of a waypoint or a timed circle: ArduPilot keeps it as `uint16`, wrapping (measured on 4.6.3).
@@ -413,6 +417,7 @@ mod tests {
         ] {
             let item = Item {
                 z,
+                frame: frame::GLOBAL,
                 ..Item::without_place(command::NAV_WAYPOINT, [0.0; 4])
             };
             let found = height(&item, Autopilot::Px4, Amsl(0.0));

@@ -27,6 +27,9 @@ impl Space<'_> {
         fence: &Fence,
     ) -> Vec<Margin> {
         let mut margins = Vec::new();
+        let unjudged = |margins: &mut Vec<Margin>, number: usize, why: String| {
+            margins.push(Margin::unjudged(id, Limit::RallyClearance(number), why));
+        };
         for (index, point) in mission.rally.iter().enumerate() {
             let number = index + 1;
             match item::rally(point, mission.autopilot, home, self.world) {
@@ -37,12 +40,16 @@ impl Space<'_> {
                         t_s: 0.0,
                         item: 0,
                     };
-                    margins.extend(self.rally_point((id, number), at, agl_m, fence));
-                    margins.extend(self.rally_ceiling((id, number), at, agl_m, layer));
+                    let known_m = agl_m.as_ref().ok().copied();
+                    margins.extend(self.rally_ceiling((id, number), at, known_m, layer));
+                    match agl_m {
+                        Ok(agl_m) => {
+                            margins.extend(self.rally_point((id, number), at, agl_m, fence));
+                        }
+                        Err(why) => unjudged(&mut margins, number, why),
+                    }
                 }
-                Err(why) => {
-                    margins.push(Margin::unjudged(id, Limit::RallyClearance(number), why));
-                }
+                Err(why) => unjudged(&mut margins, number, why),
             }
         }
         margins
@@ -53,10 +60,11 @@ impl Space<'_> {
         &self,
         (id, number): (&str, usize),
         at: Moment,
-        agl_m: f64,
+        agl_m: Option<f64>,
         layer: Layer,
     ) -> Option<Margin> {
-        let over_ground_m = at.amsl.0 - agl_m + layer.max_agl_m;
+        let over_ground_m =
+            agl_m.map_or(f64::INFINITY, |agl_m| at.amsl.0 - agl_m + layer.max_agl_m);
         let mut worst = Worst::default();
         worst.at_most(at.amsl.0, self.world.max_amsl.0.min(over_ground_m), || at);
         worst.margin(id, Limit::RallyCeiling(number), "m")

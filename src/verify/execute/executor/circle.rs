@@ -18,10 +18,9 @@ use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::measure::segment::Segment;
 
-/// Nearer to the middle than this it begins its circle where it is, metres.
+/// Nearer to the middle or the rim than this it begins its circle where it is, metres.
 const NEAR_M: f64 = 3.0;
-/// Altitudes that differ by no more are the same, metres. Where the nearest place of its rim is less than 3 m away it circles
-/// at once, at the altitude that it has (`ModeAuto::circle_movetoedge_start`).
+/// Altitudes that differ by no more are the same, metres.
 const LEVEL_M: f64 = 0.5;
 /// Share of the acceleration that turns it.
 const SHARE: f64 = 0.5;
@@ -29,6 +28,14 @@ const SHARE: f64 = 0.5;
 const MAX_RADIUS_M: f64 = 2000.0;
 /// Segments of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
+
+/// Whether a circle is flown at the altitude before it and not at its own, by the way to its rim in the plane and up: so near
+/// to it 4.7 circles at once (`ModeAuto::circle_movetoedge_start`).
+fn keeps_altitude((level_m, climb_m): (f64, f64), version: Option<Version>) -> bool {
+    version.is_none_or(|version| version >= LEVEL_SINCE)
+        && climb_m.abs() > LEVEL_M
+        && level_m.hypot(climb_m) <= NEAR_M
+}
 
 /// A circle on rotors.
 struct Orbit {
@@ -80,8 +87,8 @@ impl Pilot<'_> {
         if radius_m.abs() < 1.0 {
             return Unknown::err(row, "a circle without a radius turns on the spot");
         }
-        let (climb_m, rim_m) = (amsl_m - from.amsl_m, away_m - radius_m.abs());
-        if climb_m.abs() > LEVEL_M && rim_m.hypot(climb_m) <= NEAR_M {
+        let to_rim_m = (away_m - radius_m.abs(), amsl_m - from.amsl_m);
+        if keeps_altitude(to_rim_m, mission.autopilot_version) {
             return Unknown::err(
                 row,
                 "a circle that begins less than 3 m from its rim at another altitude: it keeps that of the place before",
