@@ -86,9 +86,7 @@ pub(super) fn warn(file: &SpecFile, world: &World) {
 
 /// Prints what files of airspace and obstacles may not say as it was meant.
 pub(super) fn warn_of_imports(file: &SpecFile) {
-    let texts = file.imports.iter();
-    let texts = texts.flat_map(|of| import_warning(of).into_iter().chain(unmatched_warnings(of)));
-    note_warnings(&texts.collect::<Vec<_>>());
+    note_warnings(&import_warnings(file));
 }
 
 fn note_warnings(texts: &[String]) {
@@ -112,11 +110,18 @@ fn warnings(file: &SpecFile, world: &World) -> Vec<String> {
             speeds.chain(vehicle.landing_note(of.landing_rad))
         })
         .collect();
-    texts.extend(file.imports.iter().filter_map(import_warning));
-    texts.extend(file.imports.iter().flat_map(unmatched_warnings));
+    texts.extend(import_warnings(file));
     texts.extend(verify::distant_from_area(spec, &[]));
     texts.extend(world::unit_warnings(spec, world));
     texts
+}
+
+/// Of all files of airspace and obstacles.
+fn import_warnings(file: &SpecFile) -> Vec<String> {
+    let of_files = file.imports.iter().filter_map(import_warning);
+    of_files
+        .chain(file.imports.iter().flat_map(unmatched_warnings))
+        .collect()
 }
 
 /// That a file of airspace or obstacles may not say what was meant.

@@ -9,12 +9,13 @@ use crate::spec::{MissionSpec, Span};
 use crate::verify::{Limit, Margin};
 use crate::world::World;
 
-/// Departures are tried for so long at least, seconds.
+/// Shortest window of departures that is tried, seconds.
 const MIN_WINDOW_S: f64 = 60.0;
-/// And at most.
+/// Longest one, seconds.
 const MAX_WINDOW_S: f64 = 3600.0;
 
-/// What a plan that breaks limits was made from: its reasons are looked for once, where it is the best of all.
+/// What a plan that breaks limits was made from. The search for its reasons takes longer than the plan: it is made once, of
+/// the best of all plans.
 #[derive(Clone, Debug)]
 pub(super) struct Unexplained {
     pub(super) spec: MissionSpec,
@@ -23,8 +24,8 @@ pub(super) struct Unexplained {
 }
 
 impl Dispatched {
-    /// Says of a fleet of a spec that breaks limits who has no path and why, and with which departures it
-    /// passes. `dispatch` plans it once more for those.
+    /// Adds the reasons why a fleet breaks limits: who has no path and why, and the departures with which it
+    /// would pass. `dispatch` plans it once more for those.
     pub(super) fn explain(
         &mut self,
         specified: &MissionSpec,

@@ -51,7 +51,7 @@ pub fn departures_that_pass(spec: &MissionSpec, plan: &FleetPlan) -> Option<Stri
     let all: Vec<String> = departing.collect();
     (!all.is_empty()).then(|| {
         format!(
-            "the fleet passes if it does not depart at once: {} (depart_s; depart_window_s leaves the time to the planner)",
+            "the fleet passes with staggered departures: {} (depart_s; depart_window_s leaves the time to the planner)",
             listed(&all)
         )
     })

@@ -1,5 +1,6 @@
 //! Arguments of `sortie study`.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::Subcommand;
@@ -73,7 +74,7 @@ pub(in crate::cli) struct Scenario {
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=10), required_unless_present = "family")]
     pub(in crate::cli) difficulty: Option<u8>,
     /// A problem of a family instead: walls, maze, city, gaps, far, canyon, plateau, rough, overflight
-    #[arg(long, value_name = "NAME", value_parser = crate::cli::study::parse_family, conflicts_with = "difficulty")]
+    #[arg(long, value_name = "NAME", value_parser = parse_family, conflicts_with = "difficulty")]
     pub(in crate::cli) family: Option<Family>,
     /// Write to a file instead of stdout
     #[arg(short, long, value_name = "FILE")]
@@ -87,7 +88,7 @@ pub(in crate::cli) struct StudyFolder {
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) out: PathBuf,
     /// Run only part I of N, for `study merge`
-    #[arg(long, value_name = "I/N", value_parser = crate::cli::study::parse_shard)]
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub(in crate::cli) shard: Option<(usize, usize)>,
     /// Continue the study in the folder
     #[arg(long)]
@@ -134,11 +135,11 @@ pub(in crate::cli) struct Planner {
     #[arg(value_name = "SPECS")]
     pub(in crate::cli) specs: Vec<PathBuf>,
     /// Add generated missions of these seeds to SPECS
-    #[arg(long, value_name = "FIRST-LAST", value_parser = crate::cli::study::parse_range)]
-    pub(in crate::cli) generated: Option<std::ops::RangeInclusive<u64>>,
+    #[arg(long, value_name = "FIRST-LAST", value_parser = parse_range)]
+    pub(in crate::cli) generated: Option<RangeInclusive<u64>>,
     /// Add problems of a family, seeds FIRST to LAST; repeatable, see `study scenario --help`
-    #[arg(long = "family", value_name = "NAME=FIRST-LAST", value_parser = crate::cli::study::parse_families)]
-    pub(in crate::cli) families: Vec<(Family, std::ops::RangeInclusive<u64>)>,
+    #[arg(long = "family", value_name = "NAME=FIRST-LAST", value_parser = parse_families)]
+    pub(in crate::cli) families: Vec<(Family, RangeInclusive<u64>)>,
     /// Folder of the shipped missions
     #[arg(long, value_name = "DIR", default_value = "missions")]
     pub(in crate::cli) missions: PathBuf,
@@ -178,4 +179,39 @@ pub(in crate::cli) struct Merge {
     /// File of the best known costs, for a study of the planner
     #[arg(long, value_name = "FILE", default_value = "missions/best-known.json")]
     pub(in crate::cli) best_known: PathBuf,
+}
+
+/// `I/N` with I from 1 to N.
+fn parse_shard(text: &str) -> Result<(usize, usize), String> {
+    let parts = text
+        .split_once('/')
+        .and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
+    parts
+        .filter(|&(part, parts)| (1..=parts).contains(&part))
+        .ok_or_else(|| "not I/N with I from 1 to N, such as 1/4".to_owned())
+}
+
+/// `FIRST-LAST`, or one number.
+fn parse_range(text: &str) -> Result<RangeInclusive<u64>, String> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let ends = first.parse().ok().zip(last.parse().ok());
+    ends.filter(|(first, last)| first <= last && last - first < 10_000)
+        .map(|(first, last)| first..=last)
+        .ok_or_else(|| "not FIRST-LAST, such as 101-120".to_owned())
+}
+
+/// A family by its name.
+fn parse_family(text: &str) -> Result<Family, String> {
+    Family::named(text).ok_or_else(|| {
+        let names = Family::ALL.map(Family::name);
+        format!("not one of {}", names.join(", "))
+    })
+}
+
+/// A family and seeds, such as `walls=1-5`.
+fn parse_families(text: &str) -> Result<(Family, RangeInclusive<u64>), String> {
+    let (name, seeds) = text
+        .split_once('=')
+        .ok_or_else(|| "not NAME=FIRST-LAST, such as walls=1-5".to_owned())?;
+    Ok((parse_family(name)?, parse_range(seeds)?))
 }

@@ -11,9 +11,9 @@ use super::args;
 use super::print::console::{out, out_json, out_text};
 use super::print::failure::Failure;
 use crate::study::{
-    BestKnown, Config, ConfigError, Family, Job, MapText, PlannerRun, PlannerStudy, Progress,
-    Results, Store, StoreError, Study, merge, planner_md, read_kind, run, scenario, speed,
-    write_results, write_whole,
+    BestKnown, Config, ConfigError, Job, MapText, PlannerRun, PlannerStudy, Progress, Results,
+    Store, StoreError, Study, merge, planner_md, read_kind, run, scenario, speed, write_results,
+    write_whole,
 };
 
 pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
@@ -145,43 +145,6 @@ fn progress_bar() -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-/// `I/N` with I from 1 to N.
-pub(super) fn parse_shard(text: &str) -> Result<(usize, usize), String> {
-    let parts = text
-        .split_once('/')
-        .and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
-    parts
-        .filter(|&(part, parts)| (1..=parts).contains(&part))
-        .ok_or_else(|| "not I/N with I from 1 to N, such as 1/4".to_owned())
-}
-
-/// `FIRST-LAST`, or one number.
-pub(super) fn parse_range(text: &str) -> Result<std::ops::RangeInclusive<u64>, String> {
-    let (first, last) = text.split_once('-').unwrap_or((text, text));
-    let ends = first.parse().ok().zip(last.parse().ok());
-    ends.filter(|(first, last)| first <= last && last - first < 10_000)
-        .map(|(first, last)| first..=last)
-        .ok_or_else(|| "not FIRST-LAST, such as 101-120".to_owned())
-}
-
-/// A family by its name.
-pub(super) fn parse_family(text: &str) -> Result<Family, String> {
-    Family::named(text).ok_or_else(|| {
-        let names = Family::ALL.map(Family::name);
-        format!("not one of {}", names.join(", "))
-    })
-}
-
-/// A family and seeds, such as `walls=1-5`.
-pub(super) fn parse_families(
-    text: &str,
-) -> Result<(Family, std::ops::RangeInclusive<u64>), String> {
-    let (name, seeds) = text
-        .split_once('=')
-        .ok_or_else(|| "not NAME=FIRST-LAST, such as walls=1-5".to_owned())?;
-    Ok((parse_family(name)?, parse_range(seeds)?))
 }
 
 impl From<ConfigError> for Failure {

@@ -91,7 +91,6 @@ impl PlannedVehicles<'_> {
             landing_deg: landing_deg(vehicle, world.sites.get(index)),
             gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
             blocked_by: ids(spec, &planned.blocked_by),
-            passes_departing_s: planned.passes_departing_s,
             // The objective judges turns and ground more strictly than the verdict.
             violations: if self.passes {
                 Vec::new()

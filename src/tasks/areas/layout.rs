@@ -132,10 +132,8 @@ fn is_closed(world: &World, from: EastNorth, to: EastNorth) -> bool {
     };
     let way = geo::Line::new(at(from), at(to));
     let mut threats = world.threats.iter();
-    let mut zones = world
-        .zones
-        .iter()
-        .filter(|zone| zone.floor.is_none() && zone.ceiling.is_none() && zone.active_s.is_none());
+    let zones = world.zones.iter();
+    let mut zones = zones.filter(|zone| zone.is_closed_throughout());
     threats.any(|disc| Euclidean.distance(&way, &Point(at(disc.center))) <= disc.radius_m)
         || zones.any(|zone| Euclidean.distance(&way, &zone.outline) <= zone.buffer_m)
 }

@@ -91,7 +91,7 @@ impl Pilot<'_> {
         if keeps_altitude(to_rim_m, mission.autopilot_version) {
             return Unknown::err(
                 row,
-                "a circle that begins less than 3 m from its rim at another altitude: it keeps that of the place before",
+                "a circle that begins within 3 m of its rim at another altitude: the copter keeps the one that it has",
             );
         }
         let edge = self.circle_edge((row, middle, radius_m.abs()), (amsl_m, agl_m), mission);
