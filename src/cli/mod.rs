@@ -50,12 +50,19 @@ fn parsed(arguments: impl IntoIterator<Item = OsString>) -> Result<Arguments, cl
 
 /// Runs one command and returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let wants_json = arguments.iter().any(|argument| argument == "--json");
     let parsed = match parsed(arguments) {
         Ok(parsed) => parsed,
         Err(error) => {
             if error.use_stderr() {
                 // Without colours, as the text quotes arguments.
                 let text = error.render().to_string();
+                if wants_json {
+                    let problem = text.split("\n\n").next().unwrap_or_default();
+                    let words: Vec<&str> = problem.split_whitespace().collect();
+                    let _ = out_json(&Failure::new(Failure::USAGE, words.join(" ")).document());
+                }
                 note_lines(&text.lines().collect::<Vec<_>>());
                 if let Some(next) = args::next_step(error.kind(), &text) {
                     note(next);

@@ -1,13 +1,11 @@
 //! `sortie plan`: the main job.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
-
-use serde_json::{Value, json};
 
 use super::args;
 use super::check;
@@ -24,7 +22,9 @@ use super::transfer::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Improved, Improving, Stage};
 use crate::link::TransferReport;
-use crate::report::{TimingDocument, departures_that_pass, infeasibilities, worst_first};
+use crate::report::{
+    TimingDocument, WrittenPlan, departures_that_pass, infeasibilities, worst_first,
+};
 use crate::spec::{Arrival, MissionSpec, OnLinkLoss, SpecFile};
 use crate::tasks::AssignedTask;
 use crate::verify::{Margin, Review, Topic};
@@ -61,13 +61,14 @@ impl Stopwatch {
     }
 
     /// Reading and planning, processor time and memory.
-    fn document(&self) -> TimingDocument {
+    fn document(&self, seed: u64) -> TimingDocument {
         let spent_s = |stage: &str| {
             let mut stages = self.stages.iter();
             let found = stages.find(|(name, _)| *name == stage);
             found.map_or(0.0, |(_, seconds)| *seconds)
         };
         TimingDocument {
+            seed,
             read_s: spent_s("read_s"),
             plan_s: spent_s("plan_s"),
             cpu_s: usage::cpu_s(),
@@ -100,31 +101,25 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         None => plan(&file, &world, seed),
     };
     watch.split("plan_s");
-    folder::write(&target, &file, &world, &dispatched, &|| watch.document())?;
+    folder::write(&target, &file, &world, &dispatched, &|| {
+        watch.document(seed)
+    })?;
     watch.split("write_s");
 
     let passes = dispatched.review.passes();
-    let transfer = if arguments.upload && passes {
-        runs::make(&runs::folder(&target))?;
-        let missions: Vec<_> = dispatched
-            .missions
-            .iter()
-            .map(|(vehicle, mission)| (*vehicle, mission))
-            .collect();
-        upload::warn_of_versions(&file, &missions);
-        Some(upload::upload_fleet(&file, missions, &[], false, None)?)
-    } else {
-        None
+    let transfer = match arguments.upload && passes {
+        true => Some(transfer_to_fleet(&file, &dispatched, &target)?),
+        false => None,
     };
-    if let Some(transfer) = &transfer {
-        transfer.record(&target)?;
+    if transfer.is_some() {
         watch.split("upload_s");
     }
     if arguments.json {
-        let plan = folder::plan_document(&file, &world, &dispatched);
-        let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
-        document["out"] = json!(target.display().to_string());
-        document["upload"] = json!(transfer.as_ref().map(FleetTransfer::document));
+        let mut document = folder::plan_document(&file, &world, &dispatched);
+        document.written = Some(WrittenPlan {
+            out: target.display().to_string(),
+            upload: transfer.as_ref().map(FleetTransfer::document),
+        });
         out_json(&document)?;
     } else {
         print_result(&file, &world, &dispatched, transfer.as_ref(), &watch)?;
@@ -139,6 +134,23 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         Some(transfer) => transfer.verdict(),
         None => Ok(()),
     }
+}
+
+/// Uploads the missions of a fleet and records how that ended.
+fn transfer_to_fleet(
+    file: &SpecFile,
+    dispatched: &Dispatched,
+    target: &Path,
+) -> Result<FleetTransfer, Failure> {
+    runs::make(&runs::folder(target))?;
+    let missions = dispatched.missions.iter();
+    let missions: Vec<_> = missions
+        .map(|(vehicle, mission)| (*vehicle, mission))
+        .collect();
+    upload::warn_of_versions(file, &missions);
+    let transfer = upload::upload_fleet(file, missions, &[], false, None)?;
+    transfer.record(target)?;
+    Ok(transfer)
 }
 
 /// The spec, with the evaluations of the command line.

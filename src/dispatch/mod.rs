@@ -181,7 +181,8 @@ fn with_orders(
 /// Dispatches a fleet whose stops are those that it makes, in their order.
 fn dispatch_ordered(job: Job<'_>) -> Dispatched {
     let dispatch = |job: Job<'_>| timed_zones::with_times(job, dispatch_among_zones);
-    rests::or_with_rests(job, dispatch)
+    let found = rests::or_with_rests(job, dispatch);
+    rests::holds::or_with_holds(job, found)
 }
 
 /// Dispatches a fleet among zones that are always closed: a crowd as a whole, and others so only where

@@ -1,5 +1,7 @@
 //! Fleets whose vehicles rest on their way where turns keep them from a path, or from a much cheaper one.
 
+pub(super) mod holds;
+
 use super::tighten::Strictness;
 use super::{Dispatched, Job, is_static};
 use crate::geodesy::PlanPoint;
@@ -30,16 +32,23 @@ pub(super) fn or_with_rests(job: Job<'_>, dispatch: impl Fn(Job<'_>) -> Dispatch
     if !other.is_better_than(found.rank()) {
         return found;
     }
-    for (plan, known) in other.plan.vehicles.iter_mut().zip(&found.plan.vehicles) {
-        (plan.bound, plan.estimate) = (known.bound, known.estimate);
-    }
     if let Some(delayed) = other.delayed.take() {
         for (own, stops) in spec.vehicles.iter_mut().zip(delayed) {
             own.stops = stops;
         }
     }
-    other.with_rests = Some(Box::new((spec, world)));
-    other
+    other.on_stops_of((spec, world), &found)
+}
+
+impl Dispatched {
+    /// A plan with stops that nobody asked for: its bounds are those of the plan without.
+    fn on_stops_of(mut self, with_stops: (MissionSpec, World), without: &Self) -> Self {
+        for (plan, known) in self.plan.vehicles.iter_mut().zip(&without.plan.vehicles) {
+            (plan.bound, plan.estimate) = (known.bound, known.estimate);
+        }
+        self.with_rests = Some(Box::new(with_stops));
+        self
+    }
 }
 
 /// Whether vehicles may rest where nobody asked for it: not those of tasks, whose stops are made already.

@@ -171,7 +171,7 @@ pub fn flight_json(record: &Record, report: &FlightReport) -> FlightDocument {
         stops: done_count(report, true),
         tasks: done_count(report, false),
         vehicles: report.vehicles.iter().map(vehicle).collect(),
-        margins: review_json(&margins).margins,
+        margins: review_json(&margins, None).margins,
         alarms: record.alarms.iter().map(alarm).collect(),
     }
 }

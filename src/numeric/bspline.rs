@@ -126,30 +126,58 @@ impl Basis {
 #[must_use]
 pub fn halved(control_points: &[f64]) -> Vec<f64> {
     let spans = control_points.len().saturating_sub(3);
-    #[expect(clippy::cast_precision_loss, reason = "few control points")]
-    let knot = |i: usize| i.saturating_sub(3).min(spans) as f64;
-    let mut knots: Vec<f64> = (0..spans + 7).map(knot).collect();
+    let mut knots = knots(spans);
     let mut points = control_points.to_vec();
     for span in 0..spans {
         // Each span before this one has one more knot by now.
         let last = 2 * span + 3;
         let at = knots[last] + 0.5;
-        let finer = |i: usize| {
-            let share = match i {
-                _ if i + 3 <= last => 1.0,
-                _ if i > last => 0.0,
-                _ => (at - knots[i]) / (knots[i + 3] - knots[i]),
-            };
-            match share {
-                0.0 => points[i - 1],
-                1.0 => points[i],
-                _ => share * points[i] + (1.0 - share) * points[i - 1],
-            }
-        };
-        points = (0..=points.len()).map(finer).collect();
-        knots.insert(last + 1, at);
+        put_in(at, last, &mut knots, &mut points);
     }
     points
+}
+
+/// The control points, one coordinate of them, of the two parts of a curve: up to the end of the span of a number, and from
+/// there on.
+///
+/// # Panics
+/// When the curve has no span after that one.
+#[must_use]
+pub fn split(control_points: &[f64], span: usize) -> [Vec<f64>; 2] {
+    let mut knots = knots(control_points.len().saturating_sub(3));
+    let mut points = control_points.to_vec();
+    let knot = span + 4;
+    for last in [knot, knot + 1] {
+        put_in(knots[knot], last, &mut knots, &mut points);
+    }
+    // At a knot that is there three times the curve is at a control point.
+    let at = knot - 1;
+    [points[..=at].to_vec(), points[at..].to_vec()]
+}
+
+/// The knots of a clamped cubic with spans of 1.
+fn knots(spans: usize) -> Vec<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "few control points")]
+    let knot = |i: usize| i.saturating_sub(3).min(spans) as f64;
+    (0..spans + 7).map(knot).collect()
+}
+
+/// Puts a knot in behind `last`, the last of those that are not greater; the curve stays as it is.
+fn put_in(at: f64, last: usize, knots: &mut Vec<f64>, points: &mut Vec<f64>) {
+    let finer = |i: usize| {
+        let share = match i {
+            _ if i + 3 <= last => 1.0,
+            _ if i > last => 0.0,
+            _ => (at - knots[i]) / (knots[i + 3] - knots[i]),
+        };
+        match share {
+            0.0 => points[i - 1],
+            1.0 => points[i],
+            _ => share * points[i] + (1.0 - share) * points[i - 1],
+        }
+    };
+    *points = (0..=points.len()).map(finer).collect();
+    knots.insert(last + 1, at);
 }
 
 /// One row: the span and the four basis functions that are not 0 there, by the
@@ -191,7 +219,7 @@ fn row(control_points: usize, parameter: f64) -> (usize, [f64; 4]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Basis, halved, uniform_parameters};
+    use super::{Basis, halved, split, uniform_parameters};
     use proptest::prelude::*;
 
     /// The definition itself: N(i, p) by recursion over the full knot vector.
@@ -215,6 +243,23 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn the_parts_of_a_split_curve_are_the_curve(
+            control_points in proptest::collection::vec(-100.0..100.0_f64, 5..40),
+            (span, t) in (0..36_usize, 0.0..=1.0_f64),
+        ) {
+            let spans = control_points.len() - 3;
+            let first = span % (spans - 1);
+            let parts = split(&control_points, first);
+            prop_assert_eq!([4 + first, spans + 2 - first], [parts[0].len(), parts[1].len()]);
+            let at = |points: &[f64], t: f64| Basis::new(points.len(), &[t]).sampled(points)[0];
+            let (before, whole) = (f64::from(u8::try_from(first + 1).expect("few")), f64::from(u8::try_from(spans).expect("few")));
+            let of_first = at(&control_points, t * before / whole);
+            prop_assert!((at(&parts[0], t) - of_first).abs() < 1e-9);
+            let of_second = at(&control_points, (before + t * (whole - before)) / whole);
+            prop_assert!((at(&parts[1], t) - of_second).abs() < 1e-9);
+        }
+
         #[test]
         fn a_curve_with_halved_spans_is_the_same(
             control_points in proptest::collection::vec(-100.0..100.0_f64, 4..40), t in 0.0..=1.0_f64

@@ -2,7 +2,7 @@
 
 use crate::cost::Controls;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::numeric::bspline::halved;
+use crate::numeric::bspline::{halved, split};
 
 /// The part of the plane in which control points are searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,6 +106,21 @@ impl Spline {
             north_m: halved(&self.north_m),
             amsl_m: halved(&self.amsl_m),
         }
+    }
+
+    /// The parts before and after the knot behind the span of a number.
+    pub(crate) fn split(&self, span: usize) -> [Self; 2] {
+        let [east_m, north_m, amsl_m] =
+            [&self.east_m, &self.north_m, &self.amsl_m].map(|values| split(values, span));
+        let [east_a, east_b] = east_m;
+        let [north_a, north_b] = north_m;
+        let [amsl_a, amsl_b] = amsl_m;
+        let part = |east_m, north_m, amsl_m| Self {
+            east_m,
+            north_m,
+            amsl_m,
+        };
+        [part(east_a, north_a, amsl_a), part(east_b, north_b, amsl_b)]
     }
 
     /// The control points.

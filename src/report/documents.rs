@@ -18,7 +18,7 @@ pub use check::{CheckDocument, CheckedVehicle, ImportEntry, IssueEntry};
 pub(super) use plan::whole_path;
 pub use plan::{
     ControlPoint, Cost, FleetCost, LeftOut, PathPoint, PlanDocument, PlannedVehicle,
-    PlannedVehicles, UsedEndurance, plan_json,
+    PlannedVehicles, UsedEndurance, WrittenPlan, plan_json,
 };
 pub(super) use review::place;
 pub use review::{MarginEntry, Place, ReviewDocument, review_json};

@@ -15,8 +15,8 @@ pub use certificate::{
 pub use documents::{
     CheckDocument, CheckedVehicle, ControlPoint, Cost, FleetCost, ImportEntry, IssueEntry, LeftOut,
     MarginEntry, PathPoint, Place, PlanDocument, PlannedVehicle, PlannedVehicles, ReviewDocument,
-    TimingDocument, UploadDocument, UploadedVehicle, UsedEndurance, json_text, plan_json,
-    review_json,
+    TimingDocument, UploadDocument, UploadedVehicle, UsedEndurance, WrittenPlan, json_text,
+    plan_json, review_json,
 };
 pub use infeasibility::{Infeasibility, departures_that_pass, infeasibilities};
 pub use map::review_svg;

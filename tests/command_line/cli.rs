@@ -590,11 +590,15 @@ fn wrong_usage_is_exit_2() {
         &["fly-away"],
         &["review", "hop.yaml", "--vehicle", "alpha"],
     ] {
-        assert_eq!(
-            sortie(folder.path(), arguments).status.code(),
-            Some(2),
-            "{arguments:?}"
-        );
+        let output = sortie(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        let output = sortie(folder.path(), &[arguments, &["--json"]].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+        assert_eq!(document["verdict"], "fail");
+        let found = document["issues"][0]["found"].as_str().expect("words");
+        assert!(found.starts_with("error: "), "{found}");
     }
 }
 

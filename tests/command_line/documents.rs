@@ -115,9 +115,13 @@ fn every_document_is_as_its_schema_says() {
     let read = |name: &str| json(&fs::read(folder.path().join(name)).expect("a document"));
 
     is_of_schema(&json(&run(&["check", "pair.yaml", "--json"])), "check");
-    run(&["plan", "pair.yaml", "--upload"]);
+    let printed = json(&run(&["plan", "pair.yaml", "--upload", "--json"]));
+    is_of_schema(&printed, "plan");
+    assert_eq!(printed["out"], "out/pair");
+    assert_eq!(printed["upload"]["verdict"], "verified");
     let plan = read("out/pair/plan.json");
     is_of_schema(&plan, "plan");
+    assert_eq!(plan["out"], Value::Null);
     let [alpha, bravo] = [&plan["vehicles"][0], &plan["vehicles"][1]];
     assert_eq!(alpha["endurance"]["unit"], "s");
     assert_eq!(alpha["endurance"]["limit"], 960.0);
@@ -126,8 +130,11 @@ fn every_document_is_as_its_schema_says() {
     assert_eq!(alpha["tasks"], serde_json::json!([]));
     assert_eq!(bravo["endurance"], Value::Null);
     assert_eq!(bravo["tasks"][0]["id"], "look");
-    is_of_schema(&read("out/pair/review.json"), "review");
-    is_of_schema(&read("out/pair/timing.json"), "timing");
+    for name in ["review", "timing"] {
+        let document = read(&format!("out/pair/{name}.json"));
+        is_of_schema(&document, name);
+        assert_eq!(document["seed"], plan["seed"], "{name}");
+    }
     is_of_schema(&read("out/pair.runs/upload.json"), "upload");
     run(&[
         "certify",

@@ -45,7 +45,7 @@ fn fleet() -> (MissionSpec, World, Vec<TimedPoint>) {
 
 fn written_geojson() -> serde_json::Value {
     let (spec, world, path) = fleet();
-    let text = geojson::write(&spec, &world, &[("alpha & <co>", &path)]);
+    let text = geojson::write(&spec, &world, &[("alpha & <co>", &path)], 7);
     serde_json::from_str(&text).expect("JSON")
 }
 
@@ -61,6 +61,7 @@ fn features(of: &serde_json::Value, kind: &str) -> Vec<serde_json::Value> {
 fn geojson_has_heights_above_the_ellipsoid_and_altitudes_above_the_sea_as_a_property() {
     let json = written_geojson();
     assert_eq!(json["type"], "FeatureCollection");
+    assert_eq!(features(&json, "area")[0]["properties"]["seed"], 7);
     let path = &features(&json, "path")[0];
     assert_eq!(path["geometry"]["type"], "LineString");
     assert_eq!(
@@ -120,11 +121,12 @@ fn a_threat_is_drawn_no_smaller_than_it_is() {
 #[test]
 fn kml_is_escaped_absolute_and_longitude_first() {
     let (spec, world, path) = fleet();
-    let text = kml::write(&spec, &world, &[("alpha & <co>", &path)]);
+    let text = kml::write(&spec, &world, &[("alpha & <co>", &path)], 7);
     assert!(text.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns="));
     assert!(text.contains("<name>alpha &amp; &lt;co&gt; path</name>"));
     assert!(text.contains("<coordinates>-84.3000000,36.2500000,480.00 "));
     assert!(text.contains("<name>radar-1 (radar)</name>"));
+    assert!(text.contains("<description>seed 7</description>"));
     let path = &text[text.find("<LineString>").expect("a line")..];
     let path = &path[..path.find("</LineString>").expect("its end")];
     assert!(path.contains("<extrude>1</extrude>") && path.contains("absolute"));
@@ -138,7 +140,11 @@ fn the_schema_of_kml_accepts_it_and_another_reader_finds_the_same_in_it() {
     let (spec, world, path) = fleet();
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("fleet.kml");
-    std::fs::write(&file, kml::write(&spec, &world, &[("alpha & <co>", &path)])).expect("written");
+    std::fs::write(
+        &file,
+        kml::write(&spec, &world, &[("alpha & <co>", &path)], 7),
+    )
+    .expect("written");
     let found = peers::run(&python, "read_kml.py", &[&file.display().to_string()]);
     assert_eq!(
         found["folders"],
@@ -172,7 +178,7 @@ fn another_reader_finds_rings_and_heights_in_the_geojson_as_its_standard_wants_t
     let (spec, world, path) = fleet();
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("fleet.geojson");
-    let text = geojson::write(&spec, &world, &[("alpha & <co>", &path)]);
+    let text = geojson::write(&spec, &world, &[("alpha & <co>", &path)], 7);
     std::fs::write(&file, text).expect("written");
     let found = peers::run(&python, "read_geojson.py", &[&file.display().to_string()]);
     assert_eq!(

@@ -23,6 +23,7 @@ mod stops;
 mod stops_wings;
 mod study;
 mod study_fleet;
+mod study_problems;
 mod survey_cameras;
 mod surveys;
 mod tasks;

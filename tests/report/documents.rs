@@ -79,11 +79,11 @@ fn review_json_has_the_keys_of_the_contract_and_null_for_what_is_not_known() {
     let mut facts = facts(hilly_spec(IDS));
     facts.review.margins[3].value = f64::NAN;
     facts.review.margins[3].ok = false;
-    let text = json_text(&review_json(&facts.review));
+    let text = json_text(&review_json(&facts.review, Some(7)));
     let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(
         keys(&document),
-        ["verdict", "margins", "assumptions"].sorted()
+        ["verdict", "seed", "margins", "assumptions"].sorted()
     );
     let margin = &document["margins"][0];
     let expected = [
@@ -112,7 +112,7 @@ fn review_json_has_the_keys_of_the_contract_and_null_for_what_is_not_known() {
 #[test]
 fn an_empty_review_is_no_pass() {
     let review = Review::default();
-    assert_eq!(review_json(&review).verdict, "fail");
+    assert_eq!(review_json(&review, None).verdict, "fail");
     let mut facts = facts(hilly_spec(IDS));
     facts.review = review;
     assert!(facts.html().contains("Nothing could be judged"));

@@ -101,6 +101,7 @@ fn write_documents(
     dispatched: &Dispatched,
 ) -> Result<(), Failure> {
     let review = &dispatched.review;
+    let seed = dispatched.plan.seed;
     let (spec, planned_world) = dispatched.planned_spec(&file.spec, world);
     let paths: Vec<(&str, Vec<TimedPoint>)> = spec
         .vehicles
@@ -124,15 +125,18 @@ fn write_documents(
         plan: Some(&dispatched.plan),
         missions: &missions,
         review,
-        seed: Some(dispatched.plan.seed),
+        seed: Some(seed),
         spec_sha256: &hash,
         version: env!("CARGO_PKG_VERSION"),
     };
     let (page, (kml, geojson)) = rayon::join(
         || report::review_html(&input),
         || {
-            let kml = formats::kml::write(spec, planned_world, &paths);
-            (kml, formats::geojson::write(spec, planned_world, &paths))
+            let kml = formats::kml::write(spec, planned_world, &paths, seed);
+            (
+                kml,
+                formats::geojson::write(spec, planned_world, &paths, seed),
+            )
         },
     );
     folder.write("fleet.kml", kml.as_bytes())?;
@@ -141,7 +145,7 @@ fn write_documents(
     folder.write("review.html", page.as_bytes())?;
     drop(page);
     folder.write_json("plan.json", &plan_document(file, world, dispatched))?;
-    folder.write_json("review.json", &report::review_json(review))?;
+    folder.write_json("review.json", &report::review_json(review, Some(seed)))?;
     Ok(())
 }
 

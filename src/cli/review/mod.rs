@@ -323,7 +323,7 @@ fn write_result(
         replace::write_file(target, report::json_text(&document).as_bytes())?;
     }
     if arguments.json {
-        out_json(&report::review_json(review))?;
+        out_json(&report::review_json(review, None))?;
     } else {
         print(&input.spec.name, review, not_judged)?;
         if has_spec {

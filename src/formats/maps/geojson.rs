@@ -12,17 +12,22 @@ use super::outline::{circle, ring, rounded};
 use crate::geodesy::{Geoid, LatLon, PlanPoint};
 use crate::mission::command_name;
 use crate::path::TimedPoint;
-use crate::spec::{MissionSpec, Placement, StopAction, Zone};
+use crate::spec::{MissionSpec, Placement, Stop, StopAction, Vehicle, Zone};
 use crate::world::World;
 
-/// The fleet as GeoJSON text; `paths` are vehicle ids with their paths.
+/// The fleet as GeoJSON text; `paths` are vehicle ids with their paths, planned from `seed`.
 #[must_use]
-pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])]) -> String {
+pub fn write(
+    spec: &MissionSpec,
+    world: &World,
+    paths: &[(&str, &[TimedPoint])],
+    seed: u64,
+) -> String {
     let mut features = vec![feature(
         polygon(ring(spec.area.outline())),
         &json!({
             "kind": "area", "id": spec.name,
-            "min_agl_m": spec.area.min_agl.0, "max_amsl_m": spec.area.max_amsl.0,
+            "min_agl_m": spec.area.min_agl.0, "max_amsl_m": spec.area.max_amsl.0, "seed": seed,
         }),
     )];
     for threat in &spec.threats {
@@ -51,16 +56,7 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
     }
     for (vehicle, sites) in spec.vehicles.iter().zip(&world.sites) {
         for (stop, site) in vehicle.stops.iter().zip(&sites.stops) {
-            let coordinates = position(MapPoint::of(world, *site));
-            let mut properties = json!({
-                "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
-                "amsl_m": metres(*site), "hold_s": stop.hold_s,
-            });
-            if !stop.actions.is_empty() {
-                let actions = stop.actions.iter().map(StopAction::key);
-                properties["actions"] = actions.collect();
-            }
-            features.push(feature(GeometryValue::Point { coordinates }, &properties));
+            features.push(of_stop(world, vehicle, (stop, *site)));
         }
     }
     for (vehicle, path) in paths {
@@ -74,6 +70,19 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         ));
     }
     collection(features)
+}
+
+fn of_stop(world: &World, vehicle: &Vehicle, (stop, site): (&Stop, PlanPoint)) -> Feature {
+    let coordinates = position(MapPoint::of(world, site));
+    let mut properties = json!({
+        "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
+        "amsl_m": metres(site), "hold_s": stop.hold_s,
+    });
+    if !stop.actions.is_empty() {
+        let actions = stop.actions.iter().map(StopAction::key);
+        properties["actions"] = actions.collect();
+    }
+    feature(GeometryValue::Point { coordinates }, &properties)
 }
 
 /// Properties of a zone: its heights as the spec has them.

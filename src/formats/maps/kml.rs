@@ -16,13 +16,19 @@ const COLOURS: [&str; 6] = [
     "ffb27200", "ff009fe6", "ff739e00", "ffa779cc", "ff005ed5", "ffe9b456",
 ];
 
-/// The fleet as KML text; `paths` are vehicle ids with their paths.
+/// The fleet as KML text; `paths` are vehicle ids with their paths, planned from `seed`.
 #[must_use]
-pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])]) -> String {
+pub fn write(
+    spec: &MissionSpec,
+    world: &World,
+    paths: &[(&str, &[TimedPoint])],
+    seed: u64,
+) -> String {
     let mut kml = Kml::default();
     kml.begin(&spec.name);
     kml.open("Folder");
     kml.leaf("name", "Airspace");
+    kml.leaf("description", &format!("seed {seed}"));
     let ceiling = spec.area.max_amsl;
     kml.polygon("area", "area", &ring(spec.area.outline()), None);
     for threat in &spec.threats {

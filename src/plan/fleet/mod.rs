@@ -27,6 +27,7 @@
 //! [`plan_one_at_a_time`], to the bit.
 
 pub(super) mod columns;
+pub(super) mod holds;
 pub(super) mod pairs;
 pub(super) mod passing;
 pub(super) mod prioritised;

@@ -218,7 +218,7 @@ impl Planning<'_> {
     }
 
     /// What a path costs alone: without margins, and with those of the request.
-    fn judged(&self, index: usize, plan: &VehiclePlan) -> [CostTerms; 2] {
+    pub(super) fn judged(&self, index: usize, plan: &VehiclePlan) -> [CostTerms; 2] {
         let mut sums = [CostTerms::default(); 2];
         for route in &plan.routes {
             let (Some(first), Some(last)) = (route.path.first(), route.path.last()) else {

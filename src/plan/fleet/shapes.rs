@@ -140,7 +140,7 @@ impl<'a> Shaper<'a> {
 impl Planning<'_> {
     /// The routes along given control points, each at the points of its basis, one after the other
     /// in time.
-    fn routes_of(
+    pub(super) fn routes_of(
         &self,
         index: usize,
         control_points: &[Vec<PlanPoint>],

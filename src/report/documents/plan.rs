@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
+use super::upload::UploadDocument;
 use super::{DEGREE_DIGITS, METRE_DIGITS, finite, rounded, verdict};
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
@@ -43,6 +44,18 @@ pub struct PlanDocument<'a> {
     /// The tasks that no vehicle does, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tasks_left: Vec<LeftTask>,
+    /// What `plan --json` adds; nothing in the file.
+    #[serde(flatten)]
+    pub written: Option<WrittenPlan>,
+}
+
+/// What became of a plan.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct WrittenPlan {
+    /// Folder of its files.
+    pub out: String,
+    /// The transfer; null where none was asked for.
+    pub upload: Option<UploadDocument>,
 }
 
 /// What a fleet costs.
@@ -205,6 +218,7 @@ pub fn plan_json<'a>(
             left_out: BTreeMap::new(),
         },
         tasks_left: Vec::new(),
+        written: None,
     }
 }
 

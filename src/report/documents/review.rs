@@ -11,6 +11,9 @@ use crate::verify::{Margin, Moment, Review};
 pub struct ReviewDocument {
     /// `pass` or `fail`.
     pub verdict: &'static str,
+    /// The seed of the plan, if Sortie made it; absent for other missions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// In the order of the review.
     pub margins: Vec<MarginEntry>,
     /// Assumptions of the flight model that were not measured on an autopilot.
@@ -59,11 +62,12 @@ pub struct Place {
     pub item: usize,
 }
 
-/// The content of `review.json`.
+/// The content of `review.json`, with the seed where the missions are a plan's.
 #[must_use]
-pub fn review_json(review: &Review) -> ReviewDocument {
+pub fn review_json(review: &Review, seed: Option<u64>) -> ReviewDocument {
     ReviewDocument {
         verdict: verdict(review.passes()),
+        seed,
         margins: review.margins.iter().map(margin_entry).collect(),
         assumptions: review.assumptions.clone(),
     }

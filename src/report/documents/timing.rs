@@ -6,6 +6,8 @@ use serde::Serialize;
 /// What a plan took: `timing.json`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct TimingDocument {
+    /// The seed of the plan.
+    pub seed: u64,
     /// To read spec and terrain, seconds.
     pub read_s: f64,
     /// To plan and verify, seconds.

@@ -258,27 +258,3 @@ fn named(at: At) -> String {
 
 /// Random numbers of a problem.
 type Rng = ChaCha8Rng;
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::Family;
-    use crate::spec::SpecFile;
-    use crate::world;
-
-    #[test]
-    fn every_problem_of_every_family_is_a_good_spec_and_its_own() {
-        for family in Family::ALL {
-            assert_eq!(Family::named(family.name()), Some(family));
-            for seed in 1..=6 {
-                let text = family.problem(seed);
-                assert_eq!(text, family.problem(seed));
-                assert_ne!(text, family.problem(seed + 1));
-                let file = SpecFile::parse(Path::new("problem.yaml"), text)
-                    .unwrap_or_else(|error| panic!("{family:?} {seed}: {error}"));
-                world::load(&file).unwrap_or_else(|error| panic!("{family:?} {seed}: {error}"));
-            }
-        }
-    }
-}

@@ -3,6 +3,7 @@
 mod conflicts;
 mod crowds;
 mod freedoms;
+mod holds;
 mod repairs;
 mod retiming;
 mod table;

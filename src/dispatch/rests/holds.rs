@@ -1,0 +1,86 @@
+//! Fleets whose copters hold in the air until others have passed, where that is better than ways around them.
+
+use super::super::tighten::Strictness;
+use super::super::{Dispatched, Job, judged};
+use super::may_rest;
+use crate::cost::Margins;
+use crate::plan::AloneWithHolds;
+use crate::verify::{Limit, Reviewer};
+
+/// Choices of holds, each with what the verdict on the one before found.
+const ROUNDS: usize = 4;
+/// Most that a round adds to the separation, metres.
+const MAX_M: f64 = 10.0;
+
+/// A dispatched fleet, or where that is better the same with holds on the ways that the vehicles would fly alone.
+pub(in crate::dispatch) fn or_with_holds(job: Job<'_>, found: Dispatched) -> Dispatched {
+    let fails = shortfall_m(&found) > 0.0;
+    let pays = found.plan.vehicles.iter().any(|plan| plan.is_detour);
+    let is_static = job.spec.no_fly.iter().all(|zone| zone.active_s.is_none());
+    let may_hold = may_rest(job) && job.spec.vehicles.len() > 1 && found.with_rests.is_none();
+    if !may_hold || !is_static || !fails && !pays || job.run.is_cancelled() {
+        return found;
+    }
+    let mut margins = Strictness::first(job.spec).margins;
+    stricter(&mut margins, job, &found);
+    let of = (job.spec, job.world);
+    let Some(fleet) = AloneWithHolds::new(of, (&found.plan, fails), margins.clone()) else {
+        return found;
+    };
+    let mut reviewer = Reviewer::new(job.judged.0, job.judged.1);
+    for round in 1..=ROUNDS {
+        let Some(held) = fleet.held(&margins) else {
+            break;
+        };
+        let (spec, world) = (&held.spec, &held.world);
+        let other = judged(
+            Job { spec, world, ..job },
+            &mut reviewer,
+            (round, held.plan),
+            None,
+        );
+        if other.review.passes() {
+            let is_better = other.is_better_than(found.rank());
+            return match is_better {
+                true => other.on_stops_of((held.spec, held.world), &found),
+                false => found,
+            };
+        }
+        let short_m = shortfall_m(&other);
+        if short_m <= 0.0 || job.run.is_cancelled() {
+            break;
+        }
+        if !stricter(&mut margins, job, &other) {
+            for margins in &mut margins {
+                margins.separation_m += short_m.min(MAX_M) + 0.1;
+            }
+        }
+    }
+    found
+}
+
+/// By how much two vehicles are too near, metres; 0 where none are.
+fn shortfall_m(found: &Dispatched) -> f64 {
+    let broken = found.review.margins.iter().filter(|margin| !margin.ok);
+    let near = broken.filter(|margin| margin.limit == Limit::Separation);
+    let short_m = near.map(|margin| margin.bound - margin.value);
+    // What could not be judged is no number.
+    short_m.fold(0.0, f64::max)
+}
+
+/// Margins with what a verdict says that vehicles may be late, and whether that was more than before: who holds may be
+/// later than who does not.
+fn stricter(margins: &mut [Margins], job: Job<'_>, found: &Dispatched) -> bool {
+    let slack_s = job.spec.separation.time_slack_s;
+    let shifts = found
+        .review
+        .margins
+        .iter()
+        .filter_map(|margin| margin.shift);
+    let shift_s = shifts.fold(0.0, |most: f64, shift| most.max(shift.max_s() - slack_s));
+    let is_more = margins.iter().any(|margins| margins.shift_s < shift_s);
+    for margins in margins {
+        margins.shift_s = margins.shift_s.max(shift_s);
+    }
+    is_more
+}

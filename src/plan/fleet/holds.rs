@@ -1,0 +1,359 @@
+//! Copters that hold in the air on their own ways until others have passed.
+//!
+//! Time is no term of the objective, so that a hold costs less than any way around. Each vehicle keeps the way that it
+//! would fly alone. In several orders of priority the vehicles take one after the other the shortest hold that keeps
+//! them apart from those before; the order with the least time of holding wins.
+
+use rand::seq::SliceRandom;
+use rayon::prelude::*;
+
+use super::prioritised::counted;
+use super::vehicle::path_basis;
+use super::{Planning, Request, flight_of};
+use crate::cost::{EarlierFlights, Margins, RouteEnds};
+use crate::geodesy::PlanPoint;
+use crate::numeric::Seed;
+use crate::numeric::approach::Segment;
+use crate::numeric::tracks::{Track, Tracks};
+use crate::path::route_ends;
+use crate::plan::spline::Spline;
+use crate::plan::{FleetPlan, VehiclePlan};
+use crate::spec::{Arrival, EndPoint, MissionSpec, Placement, Stop};
+use crate::world::World;
+
+/// A way around others counts as dear above this multiple of the cost of the ways alone. What a spec leaves open must
+/// not make a fleet dearer: there every hold counts.
+const DEAR: f64 = 1.01;
+const DEAR_WITH_FREEDOMS: f64 = 1.0001;
+/// Points on a route at which a copter may hold.
+const HOLD_POINTS: usize = 8;
+/// Fewest spans of a route, which can only be split between two of them.
+const SPANS: usize = 24;
+/// Nearest to the ends of its route, metres.
+const FROM_END_M: f64 = 20.0;
+/// The shortest hold, seconds; longer ones up to the first are tried in steps of the second.
+const FIRST_S: f64 = 5.0;
+const HOLDS_S: [(u16, usize); 3] = [(60, 5), (180, 10), (600, 30)];
+/// Orders of priority that are tried.
+const ORDERS: usize = 48;
+/// What times differ by in rounding, seconds.
+const ROUNDING_S: f64 = 1e-6;
+
+/// A fleet with holds: the spec and the world have them as stops.
+pub(crate) struct Held {
+    pub(crate) spec: MissionSpec,
+    pub(crate) world: World,
+    pub(crate) plan: FleetPlan,
+}
+
+/// A hold on the way that a vehicle would fly alone.
+#[derive(Clone, Debug)]
+struct Hold {
+    /// Number of the route.
+    route: usize,
+    at: PlanPoint,
+    /// The parts of the route before and after it.
+    parts: [Spline; 2],
+    /// Whole seconds.
+    hold_s: f64,
+}
+
+/// A point at which a copter may hold on its way, and the flight before and after.
+struct HoldPoint {
+    hold: Hold,
+    arrives_s: f64,
+    before: Track,
+    /// After a hold of [`FIRST_S`].
+    after: Track,
+}
+
+impl HoldPoint {
+    /// Where the vehicle is while it holds for a time, seconds.
+    fn holding(&self, hold_s: f64) -> Track {
+        Track::new(vec![Segment {
+            t0_s: self.arrives_s,
+            t1_s: self.arrives_s + hold_s,
+            from_m: self.hold.at.axes_m(),
+            velocity_mps: [0.0; 3],
+        }])
+    }
+}
+
+/// A vehicle on the way that it would fly alone.
+struct Alone {
+    plan: VehiclePlan,
+    track: Track,
+    hold_points: Vec<HoldPoint>,
+}
+
+/// A fleet on the ways that its vehicles would fly alone, and where they may hold.
+pub(crate) struct AloneWithHolds<'a> {
+    of: (&'a MissionSpec, &'a World),
+    seed: u64,
+    fleet: Vec<Alone>,
+}
+
+impl<'a> AloneWithHolds<'a> {
+    /// Of a fleet with a plan in which vehicles pay for each other, or are too near where it `fails`. None where the
+    /// ways alone are hardly cheaper.
+    pub(crate) fn new(
+        (spec, world): (&'a MissionSpec, &'a World),
+        (plan, fails): (&FleetPlan, bool),
+        margins: Vec<Margins>,
+    ) -> Option<Self> {
+        let request = Request {
+            margins,
+            ..Request::new(plan.seed)
+        };
+        let planning = Planning::new(spec, world, &request);
+        let known = plan.vehicles.par_iter().enumerate();
+        let alone: Vec<VehiclePlan> = known
+            .map(|(index, plan)| planning.alone_of(index, plan))
+            .collect();
+        let cost: f64 = alone.iter().map(|plan| plan.terms.total()).sum();
+        let are_clean = alone.iter().all(|plan| plan.terms.is_clean());
+        let mut fleet = spec.vehicles.iter();
+        let is_open = spec.separation.vertical_m.is_some()
+            || fleet.any(|vehicle| vehicle.retiming.is_allowed());
+        let dear = if is_open { DEAR_WITH_FREEDOMS } else { DEAR };
+        if !are_clean || !fails && plan.cost() < dear * cost {
+            return None;
+        }
+        let fleet = alone.into_iter().enumerate();
+        Some(Self {
+            of: (spec, world),
+            seed: plan.seed,
+            fleet: fleet
+                .map(|(index, plan)| planning.with_hold_points(index, plan))
+                .collect(),
+        })
+    }
+
+    /// The fleet with the holds that keep its vehicles apart, with the margins of each; none where no holds do.
+    pub(crate) fn held(&self, margins: &[Margins]) -> Option<Held> {
+        let request = Request {
+            margins: margins.to_vec(),
+            ..Request::new(self.seed)
+        };
+        let planning = Planning::new(self.of.0, self.of.1, &request);
+        let orders = orders(&self.fleet, self.seed);
+        let found = orders.par_iter().filter_map(|order| {
+            let holds = in_order(order, &self.fleet, &planning)?;
+            let held_s: f64 = holds.iter().flatten().map(|hold| hold.hold_s).sum();
+            Some((held_s, holds))
+        });
+        let found: Vec<(f64, Vec<Option<Hold>>)> = found.collect();
+        let (_, holds) = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (mut spec, mut world) = (self.of.0.clone(), self.of.1.clone());
+        let held = self.fleet.iter().zip(&holds).enumerate();
+        let held = held.map(|(index, (alone, hold))| match hold {
+            Some(hold) => {
+                hold.add_to(index, &mut spec, &mut world);
+                planning.held(index, &alone.plan, hold).2
+            }
+            None => alone.plan.clone(),
+        });
+        let vehicles = held.collect();
+        let seed = self.seed;
+        let plan = FleetPlan { seed, vehicles };
+        Some(Held { spec, world, plan })
+    }
+}
+
+/// Orders of priority: those of the spec and of the time of the flights first.
+fn orders(fleet: &[Alone], seed: u64) -> Vec<Vec<usize>> {
+    let given: Vec<usize> = (0..fleet.len()).collect();
+    let mut by_time = given.clone();
+    let duration_s = |index: usize| fleet[index].plan.duration_s();
+    by_time.sort_by(|&a, &b| duration_s(a).total_cmp(&duration_s(b)));
+    let reversed = |order: &[usize]| order.iter().rev().copied().collect::<Vec<_>>();
+    let mut all = vec![given.clone(), reversed(&given), reversed(&by_time), by_time];
+    let mut rng = Seed(seed).stream("holds", 0);
+    while all.len() < ORDERS {
+        let mut order = given.clone();
+        order.shuffle(&mut rng);
+        all.push(order);
+    }
+    all
+}
+
+/// The shortest hold of each vehicle that keeps it apart from those before it in an order, if it needs one; none where a
+/// vehicle finds none.
+fn in_order(
+    order: &[usize],
+    fleet: &[Alone],
+    planning: &Planning<'_>,
+) -> Option<Vec<Option<Hold>>> {
+    let mut chosen = vec![None; order.len()];
+    let mut tracks = Tracks::new(&planning.nearness(0));
+    for &index in order {
+        let own = &fleet[index];
+        let nearness = planning.nearness(index);
+        let is_free = |track: &Track, later_s: f64| {
+            !tracks.is_any_near((track, later_s), &nearness, |_| true)
+        };
+        if is_free(&own.track, 0.0) {
+            tracks.extend([own.track.clone()]);
+            continue;
+        }
+        let points: Vec<&HoldPoint> = (own.hold_points.iter())
+            .filter(|point| is_free(&point.before, 0.0))
+            .collect();
+        let mut holds =
+            holds_s().flat_map(|hold_s| points.iter().map(move |point| (*point, hold_s)));
+        let (point, hold_s) = holds.find(|(point, hold_s)| {
+            is_free(&point.after, hold_s - FIRST_S) && is_free(&point.holding(*hold_s), 0.0)
+        })?;
+        let hold = Hold {
+            hold_s,
+            ..point.hold.clone()
+        };
+        let (spec, world, plan) = planning.held(index, &own.plan, &hold);
+        tracks.extend([flight_of(&spec, &world, index, &plan).track()]);
+        chosen[index] = Some(hold);
+    }
+    Some(chosen)
+}
+
+impl Planning<'_> {
+    /// The plan that a vehicle would have alone, at the specified departure and speed.
+    fn alone_of(&self, index: usize, plan: &VehiclePlan) -> VehiclePlan {
+        let vehicle = &self.spec.vehicles[index];
+        let times = [
+            (plan.depart_s, vehicle.depart_s),
+            (plan.speed_mps, vehicle.speed_mps),
+        ];
+        let is_as_specified = times.iter().all(|(is, was)| is.to_bits() == was.to_bits());
+        match is_as_specified && !plan.is_detour {
+            true => counted(plan),
+            false => self.plan_alone(index, plan.estimate),
+        }
+    }
+
+    /// A way alone with the points at which the vehicle may hold on it.
+    fn with_hold_points(&self, index: usize, plan: VehiclePlan) -> Alone {
+        let points = self.holds(index, &plan).into_par_iter();
+        let points = points.filter_map(|hold| {
+            let (spec, world, held) = self.held(index, &plan, &hold);
+            let arrives_s = held.routes.get(hold.route)?.end_s();
+            let leaves_s = arrives_s + FIRST_S;
+            let flight = flight_of(&spec, &world, index, &held);
+            let track = flight.track();
+            let is_before = |segment: &&Segment| segment.t1_s <= arrives_s + ROUNDING_S;
+            let is_after = |segment: &&Segment| segment.t0_s >= leaves_s - ROUNDING_S;
+            let before = track.segments().iter().filter(is_before).copied();
+            let after = track.segments().iter().filter(is_after).copied();
+            Some(HoldPoint {
+                hold,
+                arrives_s,
+                before: Track::new(before.collect()),
+                after: Track::new(after.collect()).standing_at(flight.ends()),
+            })
+        });
+        Alone {
+            track: self.flight(index, &plan).track(),
+            hold_points: points.collect(),
+            plan,
+        }
+    }
+
+    /// The points at which a vehicle may hold, each with the shortest hold.
+    fn holds(&self, index: usize, alone: &VehiclePlan) -> Vec<Hold> {
+        let vehicle = &self.spec.vehicles[index];
+        if vehicle.airframe.has_wing() {
+            return Vec::new();
+        }
+        let arrivals = vehicle.arrivals(alone.routes.len());
+        let mut holds = Vec::new();
+        for (route, (flown, arrival)) in alone.routes.iter().zip(arrivals).enumerate() {
+            if arrival != Arrival::Planned || flown.control_points.len() < 4 {
+                continue;
+            }
+            let mut spline = Spline::through(&flown.control_points);
+            while spline.east_m.len() < SPANS + 3 {
+                spline = spline.halved();
+            }
+            let spans = spline.east_m.len() - 3;
+            let (first, last) = (spline.points()[0], spline.points()[spans + 2]);
+            for number in 0..HOLD_POINTS {
+                let parts = spline.split(number * (spans - 1) / HOLD_POINTS);
+                let Some(at) = parts[0].points().pop() else {
+                    continue;
+                };
+                if at.distance_m(first).min(at.distance_m(last)) >= FROM_END_M {
+                    let hold_s = FIRST_S;
+                    holds.push(Hold {
+                        route,
+                        at,
+                        parts,
+                        hold_s,
+                    });
+                }
+            }
+        }
+        holds
+    }
+
+    /// The plan of a vehicle with a hold on its way, and the spec and world that have it.
+    fn held(
+        &self,
+        index: usize,
+        alone: &VehiclePlan,
+        hold: &Hold,
+    ) -> (MissionSpec, World, VehiclePlan) {
+        let (mut spec, mut world) = (self.spec.clone(), self.world.clone());
+        hold.add_to(index, &mut spec, &mut world);
+        let planning = Planning {
+            spec: &spec,
+            world: &world,
+            ..*self
+        };
+        let mut shape = alone.shape().control_points;
+        let parts = hold.parts.iter().map(Spline::points);
+        shape.splice(hold.route..=hold.route, parts);
+        let ends = route_ends(&spec.vehicles[index], &world.sites[index]);
+        let bases = ends.iter().zip(&shape).map(|(&(from, to), points)| {
+            let start_s = 0.0;
+            let ends = RouteEnds { from, to, start_s };
+            let context = planning.route_context(index, ends, EarlierFlights::none());
+            path_basis(&context, points.len())
+        });
+        let bases: Vec<_> = bases.collect();
+        let mut plan = VehiclePlan {
+            routes: planning.routes_of(index, &shape, &bases),
+            ..alone.clone()
+        };
+        [plan.terms, _] = planning.judged(index, &plan);
+        (spec, world, plan)
+    }
+}
+
+impl Hold {
+    /// Makes it a stop of a vehicle.
+    fn add_to(&self, index: usize, spec: &mut MissionSpec, world: &mut World) {
+        let end = EndPoint {
+            place: world.frame.from_plan(self.at.at),
+            altitude: Placement::Amsl(self.at.amsl),
+        };
+        let stops = &mut spec.vehicles[index].stops;
+        let is_new = |id: &String| stops.iter().all(|stop| stop.id != *id);
+        let mut ids = (1..).map(|number| format!("hold-{number}")).filter(is_new);
+        let id = ids.next().unwrap_or_default();
+        let stop = Stop {
+            hold_s: self.hold_s,
+            ..Stop::passing(&id, end)
+        };
+        stops.insert(self.route, stop);
+        world.sites[index].stops.insert(self.route, self.at);
+    }
+}
+
+/// Times of holds to try, seconds.
+fn holds_s() -> impl Iterator<Item = f64> {
+    let mut from = 0;
+    HOLDS_S.into_iter().flat_map(move |(until, step)| {
+        let all = (from + 5..=until).step_by(step);
+        from = until;
+        all.map(f64::from)
+    })
+}
