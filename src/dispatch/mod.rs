@@ -260,6 +260,12 @@ fn with_nested_budgets(job: Job<'_>) -> Dispatched {
     if job.spec.vehicles.len() > crowd::MAX {
         return best;
     }
+    if !best.review.passes() {
+        best = rests::holds::or_with_holds(job, best);
+        if best.review.passes() {
+            return best;
+        }
+    }
     let try_with = |best: &mut Dispatched, evaluations: usize| {
         let mut spec = job.spec.clone();
         spec.planner.evaluations = evaluations;

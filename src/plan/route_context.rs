@@ -8,7 +8,7 @@ use geo::BoundingRect;
 use super::search_options::SearchOptions;
 use super::spline::{Frame, Spline};
 use crate::cost::{CostModel, EarlierFlights, Margins, RouteEnds};
-use crate::geodesy::{Amsl, EastNorth};
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::bspline::uniform_parameters;
 use crate::path::VehicleLimits;
 use crate::plan::altitude::floor::{FloorMaker, Slopes};
@@ -167,6 +167,16 @@ impl<'a> RouteContext<'a> {
         let limits = VehicleLimits::of(self.vehicle());
         let high = Amsl(self.ends.from.amsl.0.max(self.ends.to.amsl.0));
         limits.climb.at(high).min(limits.descent.at(high))
+    }
+
+    /// The ends of the route with the steepest climb from each, that from the goal flown backwards; none under the
+    /// paper's objective, which prices slopes itself.
+    pub(crate) fn climbs(&self) -> Option<[(PlanPoint, f64); 2]> {
+        let limits = VehicleLimits::of(self.vehicle());
+        let (from, to) = (self.ends.from, self.ends.to);
+        let high = Amsl(from.amsl.0.max(to.amsl.0));
+        let climbs = [(from, limits.climb.at(high)), (to, limits.descent.at(high))];
+        (self.spec.planner.objective == Objective::Operational).then_some(climbs)
     }
 
     /// The box around the area.

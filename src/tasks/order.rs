@@ -249,26 +249,42 @@ mod tests {
         prop::collection::vec(prop::collection::vec(0.0..10.0_f64, size), size)
     }
 
-    /// Every order, one by one.
-    fn cheapest(costs: &[Vec<f64>], path: &mut Vec<usize>, so_far: f64, best: &mut f64) {
+    /// Every order, one by one, but for those whose beginning costs too much already with the cheapest way to each stop
+    /// that is left.
+    fn cheapest(
+        (costs, least): (&[Vec<f64>], &[f64]),
+        path: &mut Vec<usize>,
+        so_far: f64,
+        best: &mut f64,
+    ) {
         let count = costs.len() - 2;
         let last = path[path.len() - 1];
         if path.len() == count + 1 {
             *best = best.min(so_far + costs[last][count + 1]);
             return;
         }
-        for next in 1..=count {
-            if !path.contains(&next) && so_far + costs[last][next] < *best {
+        let left: Vec<usize> = (1..=count).filter(|stop| !path.contains(stop)).collect();
+        let to_all: f64 = left.iter().map(|&stop| least[stop]).sum();
+        for next in left {
+            let cost = so_far + costs[last][next];
+            if cost + to_all - least[next] < *best {
                 path.push(next);
-                cheapest(costs, path, so_far + costs[last][next], best);
+                cheapest((costs, least), path, cost, best);
                 path.pop();
             }
         }
     }
 
     fn brute(costs: &[Vec<f64>]) -> f64 {
+        let to = |stop: usize| {
+            let others = costs.iter().enumerate().filter(|(from, _)| *from != stop);
+            others
+                .map(|(_, row)| row[stop])
+                .fold(f64::INFINITY, f64::min)
+        };
+        let least: Vec<f64> = (0..costs.len()).map(to).collect();
         let mut best = f64::INFINITY;
-        cheapest(costs, &mut vec![0], 0.0, &mut best);
+        cheapest((costs, &least), &mut vec![0], 0.0, &mut best);
         best
     }
 

@@ -598,7 +598,7 @@ fn wrong_usage_is_exit_2() {
         let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
         assert_eq!(document["verdict"], "fail");
         let found = document["issues"][0]["found"].as_str().expect("words");
-        assert!(found.starts_with("error: "), "{found}");
+        assert!(!found.is_empty() && !found.contains('\n'), "{found}");
     }
 }
 

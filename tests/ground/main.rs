@@ -5,6 +5,7 @@ mod support;
 
 mod geodesy_truth;
 mod geotiff_tags;
+mod narrow_hills;
 mod other_formats;
 mod projections;
 mod terrain;

@@ -198,6 +198,7 @@ mod tests {
                 grid,
                 cost,
                 rises: None,
+                climbs: None,
             },
             at(1000.0, 10_130.0),
             at(19_000.0, 10_130.0),

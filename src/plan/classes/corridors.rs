@@ -84,6 +84,7 @@ fn corridors_at(
         cost: field.cost.iter().map(|cost| cost.min(STEEP)).collect(),
         grid: field.grid,
         rises: None,
+        climbs: None,
     });
     (!classes.is_empty()).then(|| HomotopyClasses {
         classes,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::grid::Grid;
 use super::narrow_zones::crossed_nodes;
-use crate::geodesy::EastNorth;
+use crate::geodesy::{EastNorth, PlanPoint};
 use crate::world::{Layer, PlanZone, World};
 
 /// A cost per kilometre at every node of a grid, row by row from the south-west.
@@ -16,6 +16,16 @@ pub(crate) struct Field {
     pub cost: Vec<f64>,
     /// What the rise from node to node costs; none where altitude is free.
     pub rises: Option<Rises>,
+    /// The climbs from both ends; none where every place is reached on a straight way.
+    pub climbs: Option<Arc<Climbs>>,
+}
+
+/// The least that a way from the start, and one from the goal, costs at each node: it is as long as the climb from there
+/// to the floor takes. A way that is shorter has to be made longer, by bends or circles.
+#[derive(Clone, Debug)]
+pub(crate) struct Climbs {
+    pub from_start: Vec<f64>,
+    pub from_goal: Vec<f64>,
 }
 
 /// What it costs to follow a floor that is steeper than a vehicle flies.
@@ -164,6 +174,7 @@ impl Relief {
             grid: field.grid.clone(),
             cost: costs.map(|(cost, threats)| cost - threats).collect(),
             rises: None,
+            climbs: None,
         }
     }
 
@@ -197,7 +208,30 @@ impl Relief {
             grid: self.grid.clone(),
             cost,
             rises: None,
+            climbs: None,
         }
+    }
+
+    /// The climbs from a start and a goal, each with its altitude, metres, and the steepest way up from it, rise over run.
+    pub(crate) fn climbs(
+        &self,
+        [start, goal]: [(PlanPoint, f64); 2],
+        prices: &Prices,
+    ) -> Option<Climbs> {
+        let mut is_beyond = false;
+        let mut from = |(end, slope): (PlanPoint, f64)| -> Vec<f64> {
+            let least = |(node, floor_m): (usize, &f64)| {
+                let climb_m = (floor_m - end.amsl.0).max(0.0) / slope;
+                is_beyond |= climb_m > self.grid.at(node).distance_m(end.at);
+                prices.length * climb_m / 1000.0
+            };
+            self.floor_m.iter().enumerate().map(least).collect()
+        };
+        let climbs = Climbs {
+            from_start: from(start),
+            from_goal: from(goal),
+        };
+        is_beyond.then_some(climbs)
     }
 
     /// What a slope limit costs in a layer over the floor.

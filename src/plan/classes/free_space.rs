@@ -236,6 +236,7 @@ impl FreeSpace {
         );
         Field {
             rises: relief.rises(context.layer(), slope, &prices),
+            climbs: None,
             ..relief.field(slope, &prices)
         }
     }

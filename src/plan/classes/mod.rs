@@ -24,7 +24,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 use rayon::prelude::*;
 
 use crate::geodesy::EastNorth;
-use field::Field;
+use field::{Field, Rises};
 use grid::Grid;
 use obstacles::Obstacles;
 
@@ -95,6 +95,16 @@ impl Move {
         }
     }
 
+    /// The cost of a way to a node and on to the next, the rise between them included.
+    fn cost_after(&self, before: f64, field: &Field, (from, to): (usize, usize)) -> f64 {
+        let cost = before + self.cost(&field.cost, from, to);
+        let rise = |rises: &Rises| rises.cost(from, to, self.length_km);
+        field
+            .rises
+            .as_ref()
+            .map_or(cost, |rises| cost + rise(rises))
+    }
+
     /// Its kilometres from a node to the next, times the mean cost of what it passes.
     fn cost(&self, costs: &[f64], from: usize, to: usize) -> f64 {
         let ends = 0.5 * (costs[from] + costs[to]);
@@ -133,12 +143,12 @@ fn moves(grid: &Grid) -> Vec<Move> {
 
 /// Dijkstra's algorithm from a node, as far as classes on the way to another one are worth a look: no
 /// path costs less than its way to any of its nodes and `onward`, the least that it costs from there
-/// to the end. Costs are not negative, so their bits sort as they do.
+/// to the end. `least` is what a way to a node costs at least. Costs are not negative, so their bits sort as they do.
 fn tree(
     field: &Field,
     (root, end): (usize, usize),
     obstacles: &Obstacles,
-    onward: impl Fn(usize) -> f64,
+    (onward, least): (impl Fn(usize) -> f64, Option<&[f64]>),
 ) -> Tree {
     let grid = &field.grid;
     let moves = moves(grid);
@@ -176,10 +186,9 @@ fn tree(
             if settled[next] {
                 continue;
             }
-            let mut cost = tree.cost[node] + movement.cost(&field.cost, node, next);
-            if let Some(rises) = &field.rises {
-                cost += rises.cost(node, next, movement.length_km);
-            }
+            let cost = movement.cost_after(tree.cost[node], field, (node, next));
+            // Where the floor is closed the least cost is no number.
+            let cost = least.map_or(cost, |least| cost.max(least[next]));
             if cost < tree.cost[next] {
                 tree.cost[next] = cost;
                 tree.parent[next] = node;
@@ -227,9 +236,12 @@ fn classes_of_field(
     let min_per_km = field.cost.iter().copied().fold(f64::INFINITY, f64::min);
     let end = grid.at(ends.1);
     let straight = |node: usize| min_per_km * grid.at(node).distance_m(end) / 1000.0;
-    let from_start = tree(field, ends, obstacles, straight);
+    let climbs = field.climbs.as_deref();
+    let least = climbs.map(|climbs| climbs.from_start.as_slice());
+    let from_start = tree(field, ends, obstacles, (straight, least));
     let known = |node: usize| from_start.cost[node];
-    let from_goal = tree(field, (ends.1, ends.0), obstacles, known);
+    let least = climbs.map(|climbs| climbs.from_goal.as_slice());
+    let from_goal = tree(field, (ends.1, ends.0), obstacles, (known, least));
     let mut cheapest: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
     for node in 0..grid.len() {
         let cost = from_start.cost[node] + from_goal.cost[node];
@@ -297,7 +309,9 @@ fn through(
 
 #[cfg(test)]
 mod tests {
+    use super::field::Climbs;
     use super::*;
+    use std::sync::Arc;
 
     const START: EastNorth = EastNorth {
         east_m: 0.0,
@@ -325,6 +339,7 @@ mod tests {
             grid,
             cost,
             rises: None,
+            climbs: None,
         }
     }
 
@@ -349,6 +364,36 @@ mod tests {
         let both = [(6000.0, 9000.0, 2000.0), (14_000.0, 11_000.0, 2000.0)];
         // Between them, left of both, right of both; the fourth would be a detour to no node.
         assert_eq!(classes(&both).len(), 3);
+    }
+
+    /// A ridge 100 m above both ends from edge to edge, 10 m above them in the south, and climbs of one in fifty.
+    #[test]
+    fn a_ridge_too_high_to_climb_on_the_straight_way_is_crossed_where_it_is_low() {
+        let mut field = field(&[]);
+        let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
+        let climb_km = |node: usize| {
+            let at = field.grid.at(node);
+            let is_ridge = (at.east_m - 10_000.0).abs() < 600.0;
+            let rise_m = if at.north_m < 3000.0 { 10.0 } else { 700.0 };
+            if is_ridge { rise_m / 50.0 } else { 0.0 }
+        };
+        let from: Vec<f64> = (0..field.grid.len()).map(climb_km).collect();
+        let climbs = Climbs {
+            from_start: from.clone(),
+            from_goal: from,
+        };
+        field.climbs = Some(Arc::new(climbs));
+        let best = &classes_of_field(&field, &obstacles, START, GOAL)[0];
+        let ridge = best.line.iter();
+        let ridge = ridge.filter(|at| (at.east_m - 10_000.0).abs() < 600.0);
+        assert!(ridge.clone().count() > 0);
+        assert!(
+            ridge.clone().all(|at| at.north_m < 3000.0),
+            "{:?}",
+            best.line
+        );
+        // The way through the low part, and not the climb to the high one.
+        assert!((24.0..26.0).contains(&best.cost), "{}", best.cost);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The routes of one route: a line in every class, and what the ground under them costs.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::field::{Field, Reading, Relief};
@@ -55,10 +57,15 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
             Reading::Conservative,
         );
         let rises = relief.rises(context.layer(), context.slope(), &prices);
+        let climbs = context
+            .climbs()
+            .and_then(|ends| relief.climbs(ends, &prices));
+        let climbs = climbs.map(Arc::new);
         let fields: Vec<Field> = (context.options.slope_factors)
             .par_iter()
             .map(|factor| Field {
                 rises: rises.clone(),
+                climbs: climbs.clone(),
                 ..relief.field(factor * context.slope(), &prices)
             })
             .collect();

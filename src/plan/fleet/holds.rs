@@ -265,7 +265,9 @@ impl Planning<'_> {
         }
         let arrivals = vehicle.arrivals(alone.routes.len());
         let mut holds = Vec::new();
-        for (route, (flown, arrival)) in alone.routes.iter().zip(arrivals).enumerate() {
+        // Those up to the goal: on the way home from there nothing is a stop.
+        let routes = alone.routes.iter().zip(arrivals).enumerate();
+        for (route, (flown, arrival)) in routes.take(vehicle.stops.len() + 1) {
             if arrival != Arrival::Planned || flown.control_points.len() < 4 {
                 continue;
             }

@@ -15,6 +15,8 @@ use crate::world::World;
 
 /// A way with rests counts where it costs less than this share of one without.
 const WORTH: f64 = 0.98;
+/// And where it takes less than this many times as long.
+const LONGER: f64 = 1.2;
 
 /// How far a copter flies in the time that a rest takes, metres: to come to rest, the rest itself, and to be at its speed
 /// again.
@@ -81,12 +83,16 @@ fn worth(context: &RouteContext<'_>, terms: &CostTerms) -> f64 {
     }
 }
 
-/// A way with rests that costs less than `most` and takes no longer: of two that keep the limits the slower one is not
-/// worth a few metres.
+/// A way with rests that costs less than `most` and takes little longer: of two that keep the limits the one that is much
+/// slower is not worth a few metres.
 fn way(context: &RouteContext<'_>, most: f64) -> Option<Rests> {
     if most <= 0.0 {
         return None;
     }
+    if !most.is_finite() {
+        return rests(context, most);
+    }
     let each = rest_m(context.vehicle()) / 1000.0 * context.spec.planner.weights.length;
-    rests(context, most).filter(|way| way.cost + as_f64(way.at.len()) * each < most)
+    let length = |way: &Rests| way.cost + as_f64(way.at.len()) * each;
+    rests(context, most).filter(|way| way.cost < most && length(way) < LONGER * most)
 }

@@ -310,6 +310,7 @@ mod tests {
             cost: vec![1.0; grid.len()],
             grid,
             rises: None,
+            climbs: None,
         }
     }
 

@@ -156,7 +156,8 @@ pub fn wait_less(stops: &mut [Stop], later_s: f64) {
     const EPSILON_S: f64 = 1e-6;
     let mut later_s = later_s.max(0.0);
     for stop in stops {
-        let wait_s = (stop.wait_s - later_s - EPSILON_S).ceil().max(0.0);
+        // Never -0, which a maximum may leave.
+        let wait_s = (stop.wait_s - later_s - EPSILON_S).ceil().max(0.0).abs();
         let wait_s = wait_s.min(stop.wait_s);
         later_s -= stop.wait_s - wait_s;
         stop.wait_s = wait_s;
