@@ -30,8 +30,6 @@ use obstacles::Obstacles;
 
 /// Classes this much dearer than the cheapest are not worth a look.
 const DETOUR: f64 = 2.2;
-/// Where climbs count, ways are those through nodes at which what is before and behind differs by this share at most.
-const AWAY_FROM_MIDDLE: f64 = 0.2;
 /// A bound that is so little above counts as equal.
 const ROUNDING: f64 = 1.0 + 1e-9;
 /// A path in the plane that stands for its class.
@@ -53,6 +51,22 @@ struct Tree {
     parent: Vec<usize>,
     /// Signature of the path from the root.
     signature: Vec<u64>,
+    /// What a whole way with this path costs at least: as much as its part up to a node and the climb from the other end to
+    /// that node.
+    whole: Vec<f64>,
+}
+
+impl Tree {
+    /// Goes on to a node from the one before, across rays of obstacles; `climb` is what a way to it from the other end costs
+    /// at least.
+    fn go_on_to(&mut self, node: usize, crossing: u64, climb: Option<f64>) {
+        let parent = self.parent[node];
+        self.signature[node] = self.signature[parent].wrapping_add(crossing);
+        if let Some(climb) = climb {
+            // Where the floor is closed it is no number.
+            self.whole[node] = self.whole[parent].max(self.cost[node] + climb);
+        }
+    }
 }
 
 /// A step to another node: columns and rows.
@@ -145,12 +159,13 @@ fn moves(grid: &Grid) -> Vec<Move> {
 
 /// Dijkstra's algorithm from a node, as far as classes on the way to another one are worth a look: no
 /// path costs less than its way to any of its nodes and `onward`, the least that it costs from there
-/// to the end. `least` is what a way to a node costs at least. Costs are not negative, so their bits sort as they do.
+/// to the end. `climbs` are what a way to a node costs at least, from the root and from the end. Costs are not
+/// negative, so their bits sort as they do.
 fn tree(
     field: &Field,
     (root, end): (usize, usize),
     obstacles: &Obstacles,
-    (onward, least): (impl Fn(usize) -> f64, Option<&[f64]>),
+    (onward, climbs): (impl Fn(usize) -> f64, Option<[&[f64]; 2]>),
 ) -> Tree {
     let grid = &field.grid;
     let moves = moves(grid);
@@ -158,6 +173,7 @@ fn tree(
         cost: vec![f64::INFINITY; grid.len()],
         parent: vec![usize::MAX; grid.len()],
         signature: vec![0; grid.len()],
+        whole: vec![0.0; grid.len()],
     };
     tree.cost[root] = 0.0;
     let mut queue = BinaryHeap::from([Reverse((0_u64, root))]);
@@ -176,8 +192,8 @@ fn tree(
         settled[node] = true;
         let parent = tree.parent[node];
         if parent != usize::MAX {
-            tree.signature[node] = tree.signature[parent]
-                .wrapping_add(obstacles.crossing(grid.at(parent), grid.at(node)));
+            let crossing = obstacles.crossing(grid.at(parent), grid.at(node));
+            tree.go_on_to(node, crossing, climbs.map(|[_, others]| others[node]));
         }
         let at_edge = grid.is_near_edge(node, REACH);
         for movement in &moves {
@@ -189,8 +205,7 @@ fn tree(
                 continue;
             }
             let cost = movement.cost_after(tree.cost[node], field, (node, next));
-            // Where the floor is closed the least cost is no number.
-            let cost = least.map_or(cost, |least| cost.max(least[next]));
+            let cost = climbs.map_or(cost, |[own, _]| cost.max(own[next]));
             if cost < tree.cost[next] {
                 tree.cost[next] = cost;
                 tree.parent[next] = node;
@@ -239,19 +254,15 @@ fn classes_of_field(
     let end = grid.at(ends.1);
     let straight = |node: usize| min_per_km * grid.at(node).distance_m(end) / 1000.0;
     let climbs = field.climbs.as_deref();
-    let least = climbs.map(|climbs| climbs.from_start.as_slice());
-    let from_start = tree(field, ends, obstacles, (straight, least));
+    let climbs = climbs.map(|climbs| [climbs.from_start.as_slice(), &climbs.from_goal]);
+    let from_start = tree(field, ends, obstacles, (straight, climbs));
     let known = |node: usize| from_start.cost[node];
-    let least = climbs.map(|climbs| climbs.from_goal.as_slice());
-    let from_goal = tree(field, (ends.1, ends.0), obstacles, (known, least));
+    let climbs = climbs.map(|[from_start, from_goal]| [from_goal, from_start]);
+    let from_goal = tree(field, (ends.1, ends.0), obstacles, (known, climbs));
     let mut cheapest: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
     for node in 0..grid.len() {
-        let (before, after) = (from_start.cost[node], from_goal.cost[node]);
-        let cost = before + after;
-        if climbs.is_some() && (before - after).abs() > AWAY_FROM_MIDDLE * cost {
-            // Every way has a node in the middle, where the climbs from both ends count.
-            continue;
-        }
+        let cost = from_start.cost[node] + from_goal.cost[node];
+        let cost = cost.max(from_start.whole[node]).max(from_goal.whole[node]);
         // The way from the goal is flown backwards: its crossings count negative.
         let class = from_start.signature[node].wrapping_sub(from_goal.signature[node]);
         let entry = cheapest.entry(class).or_insert((cost, node));
