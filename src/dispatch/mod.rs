@@ -50,7 +50,8 @@ pub struct Dispatched {
     /// The stops of each vehicle with the waits of its departure, where that is later than its tasks
     /// were assigned for.
     delayed: Option<Vec<Vec<Stop>>>,
-    /// The spec and world with the rests where vehicles have no space to turn, if there are any.
+    /// The spec and world with the stops that nobody asked for, if there are any: rests where vehicles have no space to
+    /// turn, or holds until others have passed.
     with_rests: Option<Box<(MissionSpec, World)>>,
     /// What a plan that fails was made from, until its reasons are known.
     unexplained: Option<Box<Unexplained>>,
@@ -254,7 +255,7 @@ fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
 
 /// Dispatches a fleet in rounds; where it fails by distances that another search may find, also with
 /// parts of its evaluations, and of large budgets with smaller ones in any case: more evaluations are
-/// never worse than those.
+/// never worse than those. Holds, which are found sooner than another way, are tried before.
 fn with_nested_budgets(job: Job<'_>) -> Dispatched {
     let mut best = dispatch_in_rounds(job);
     if job.spec.vehicles.len() > crowd::MAX {
@@ -356,7 +357,7 @@ impl Dispatched {
 
     /// The spec and world that the plan is of: those given, or with tasks those whose vehicles
     /// have a stop for each task that they do, or those whose vehicles have a stop wherever they rest because
-    /// they have no space to turn.
+    /// they have no space to turn, or hold until others have passed.
     #[must_use]
     pub fn planned_spec<'a>(
         &'a self,

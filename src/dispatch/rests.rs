@@ -6,7 +6,7 @@ use super::tighten::Strictness;
 use super::{Dispatched, Job, is_static};
 use crate::geodesy::PlanPoint;
 use crate::plan::rests_of;
-use crate::spec::{Algorithm, Arrival, EndPoint, MissionSpec, Objective, Placement, Stop};
+use crate::spec::{Algorithm, Arrival, MissionSpec, Objective, Stop, new_stop_ids};
 use crate::verify::{Limit, Repair};
 use crate::world::World;
 
@@ -99,18 +99,13 @@ fn fails(found: &Dispatched, id: &str) -> bool {
 fn merged(job: Job<'_>, index: usize, rests: &[Vec<PlanPoint>]) -> (Vec<Stop>, Vec<PlanPoint>) {
     let (own, sites) = (&job.spec.vehicles[index], &job.world.sites[index]);
     let (mut stops, mut points) = (Vec::new(), Vec::new());
-    let is_new = |id: &String| own.stops.iter().all(|stop| stop.id != *id);
-    let mut ids = (1..).map(|number| format!("rest-{number}")).filter(is_new);
+    let mut ids = new_stop_ids(&own.stops, "rest");
     for (route, rests) in rests.iter().enumerate() {
         for &rest in rests {
-            let end = EndPoint {
-                place: job.world.frame.from_plan(rest.at),
-                altitude: Placement::Amsl(rest.amsl),
-            };
             let id = ids.next().unwrap_or_default();
             stops.push(Stop {
                 arrives: Arrival::Exact,
-                ..Stop::passing(&id, end)
+                ..Stop::passing(&id, job.world.end_point(rest))
             });
             points.push(rest);
         }

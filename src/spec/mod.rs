@@ -60,6 +60,7 @@ pub use table::TableFile;
 pub use vehicle::{
     ACTION_S, AltitudeLimits, ApproachLengths, Arrival, Capacity, EndPoint, Endurance, Energy,
     Finish, GRAVITY_MPS2, Landing, Link, MAX_STOPS, OnWay, Order, Placement, RELEASE_S, Retiming,
-    Span, Stop, StopAction, TakeoffRegion, Vehicle, Wing, turn_radius_by_load_m, wait_less,
+    Span, Stop, StopAction, TakeoffRegion, Vehicle, Wing, new_stop_ids, turn_radius_by_load_m,
+    wait_less,
 };
 pub use wind::Wind;

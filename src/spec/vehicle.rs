@@ -8,7 +8,7 @@ mod stop;
 pub use action::{RELEASE_S, StopAction};
 pub use endurance::{Capacity, Endurance, Energy};
 pub use region::TakeoffRegion;
-pub use stop::{ACTION_S, Arrival, MAX_STOPS, OnWay, Order, Stop, wait_less};
+pub use stop::{ACTION_S, Arrival, MAX_STOPS, OnWay, Order, Stop, new_stop_ids, wait_less};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

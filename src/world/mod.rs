@@ -126,6 +126,15 @@ impl Disc {
 }
 
 impl World {
+    /// A point as a spec would give it, above the sea.
+    #[must_use]
+    pub fn end_point(&self, point: PlanPoint) -> EndPoint {
+        EndPoint {
+            place: self.frame.from_plan(point.at),
+            altitude: Placement::Amsl(point.amsl),
+        }
+    }
+
     /// The limits of altitude of a vehicle besides those of the area.
     #[must_use]
     pub fn layer(&self, vehicle: usize) -> Layer {

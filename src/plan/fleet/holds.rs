@@ -18,7 +18,7 @@ use crate::numeric::tracks::{Track, Tracks};
 use crate::path::route_ends;
 use crate::plan::spline::Spline;
 use crate::plan::{FleetPlan, VehiclePlan};
-use crate::spec::{Arrival, EndPoint, MissionSpec, Placement, Stop};
+use crate::spec::{Arrival, MissionSpec, Stop, new_stop_ids};
 use crate::world::World;
 
 /// A way around others counts as dear above this multiple of the cost of the ways alone. What a spec leaves open must
@@ -31,9 +31,10 @@ const HOLD_POINTS: usize = 8;
 const SPANS: usize = 24;
 /// Nearest to the ends of its route, metres.
 const FROM_END_M: f64 = 20.0;
-/// The shortest hold, seconds; longer ones up to the first are tried in steps of the second.
+/// Holds that are tried, seconds: from the first number to the second in steps of the third.
+const HOLDS_S: [(u16, u16, usize); 3] = [(5, 60, 5), (65, 180, 10), (185, 600, 30)];
+/// The shortest of them.
 const FIRST_S: f64 = 5.0;
-const HOLDS_S: [(u16, usize); 3] = [(60, 5), (180, 10), (600, 30)];
 /// Orders of priority that are tried.
 const ORDERS: usize = 48;
 /// What times differ by in rounding, seconds.
@@ -333,17 +334,11 @@ impl Planning<'_> {
 impl Hold {
     /// Makes it a stop of a vehicle.
     fn add_to(&self, index: usize, spec: &mut MissionSpec, world: &mut World) {
-        let end = EndPoint {
-            place: world.frame.from_plan(self.at.at),
-            altitude: Placement::Amsl(self.at.amsl),
-        };
         let stops = &mut spec.vehicles[index].stops;
-        let is_new = |id: &String| stops.iter().all(|stop| stop.id != *id);
-        let mut ids = (1..).map(|number| format!("hold-{number}")).filter(is_new);
-        let id = ids.next().unwrap_or_default();
+        let id = new_stop_ids(stops, "hold").next().unwrap_or_default();
         let stop = Stop {
             hold_s: self.hold_s,
-            ..Stop::passing(&id, end)
+            ..Stop::passing(&id, world.end_point(self.at))
         };
         stops.insert(self.route, stop);
         world.sites[index].stops.insert(self.route, self.at);
@@ -352,10 +347,6 @@ impl Hold {
 
 /// Times of holds to try, seconds.
 fn holds_s() -> impl Iterator<Item = f64> {
-    let mut from = 0;
-    HOLDS_S.into_iter().flat_map(move |(until, step)| {
-        let all = (from + 5..=until).step_by(step);
-        from = until;
-        all.map(f64::from)
-    })
+    let steps = HOLDS_S.into_iter();
+    steps.flat_map(|(from, until, step)| (from..=until).step_by(step).map(f64::from))
 }

@@ -89,9 +89,6 @@ fn way(context: &RouteContext<'_>, most: f64) -> Option<Rests> {
     if most <= 0.0 {
         return None;
     }
-    if !most.is_finite() {
-        return rests(context, most);
-    }
     let each = rest_m(context.vehicle()) / 1000.0 * context.spec.planner.weights.length;
     let length = |way: &Rests| way.cost + as_f64(way.at.len()) * each;
     rests(context, most).filter(|way| way.cost < most && length(way) < LONGER * most)

@@ -149,6 +149,14 @@ impl Stop {
     }
 }
 
+/// Ids of stops that a vehicle does not have yet: `KIND-1` and so on.
+pub fn new_stop_ids(stops: &[Stop], kind: &'static str) -> impl Iterator<Item = String> {
+    let is_new = |id: &String| stops.iter().all(|stop| stop.id != *id);
+    (1..)
+        .map(move |number| format!("{kind}-{number}"))
+        .filter(is_new)
+}
+
 /// Makes the waits of stops anew for a departure that is later by some seconds than the one that they are
 /// for: a vehicle that comes later waits less, whole seconds each.
 pub fn wait_less(stops: &mut [Stop], later_s: f64) {
