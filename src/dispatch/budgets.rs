@@ -10,16 +10,16 @@ const GROWTH: usize = 4;
 const PARTS: [usize; 2] = [2, 4];
 const MIN: usize = 10_000;
 
-/// Small budgets that a small fleet is planned with as well, where its vehicles pay for each other: another
-/// one may then give way, and they take little time.
-const SMALL: [usize; 1] = [1000];
+/// Small budget that a small fleet is planned with as well, where its vehicles pay for each other: another
+/// one may then give way, and it takes little time.
+const SMALL: usize = 1000;
 
-/// The small budgets below that of a spec.
-pub(super) fn small(spec: &MissionSpec) -> impl Iterator<Item = usize> {
+/// The small budget, if it is below that of a spec.
+pub(super) fn small(spec: &MissionSpec) -> Option<usize> {
+    let planner = &spec.planner;
     let is_searched =
-        spec.planner.objective != Objective::Paper && spec.planner.algorithm == Algorithm::Msfoa;
-    let small = SMALL.into_iter().filter(move |_| is_searched);
-    small.take_while(|small| *small < spec.planner.evaluations)
+        planner.objective != Objective::Paper && planner.algorithm == Algorithm::Msfoa;
+    (is_searched && SMALL < planner.evaluations).then_some(SMALL)
 }
 
 /// Round budgets below that of a spec, each of them and the tens of them. None for what is compared

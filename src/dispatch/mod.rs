@@ -98,6 +98,9 @@ impl Run<'_> {
 
 /// Vehicles whose plans cost less than this many times their bounds together hardly pay for each other.
 const NEAR_BOUND: f64 = 1.005;
+/// Ways around each other that cost more than this many times the bounds with few evaluations are hardly found much
+/// cheaper with more, which takes long: holds are tried before. Elsewhere they come last, as they take time.
+const FAR_ABOVE: f64 = 1.1;
 
 /// Plans the fleet, and plans again the vehicles that fail, with stricter margins.
 ///
@@ -255,8 +258,24 @@ fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
 
 /// Dispatches a fleet in rounds; where it fails by distances that another search may find, also with
 /// parts of its evaluations, and of large budgets with smaller ones in any case: more evaluations are
-/// never worse than those. Holds, which are found sooner than another way, are tried before.
+/// never worse than those. Holds, which are found sooner than another way, are tried before where ways
+/// around others fail, or cost much with few evaluations.
 fn with_nested_budgets(job: Job<'_>) -> Dispatched {
+    let with = |evaluations: usize| {
+        let mut spec = job.spec.clone();
+        spec.planner.evaluations = evaluations;
+        dispatch_in_rounds(Job { spec: &spec, ..job })
+    };
+    let is_small = (2..=degrees_of_freedom::ALWAYS).contains(&job.spec.vehicles.len());
+    let small = budgets::small(job.spec).filter(|_| is_small && job.run.is_nested);
+    let mut small = small.map(with);
+    if let Some(dear) = small.take_if(|found| pays(found, FAR_ABOVE)) {
+        let found = rests::holds::or_with_holds(job, dear);
+        if found.with_rests.is_some() && !pays(&found, NEAR_BOUND) {
+            return found;
+        }
+        small = Some(found);
+    }
     let mut best = dispatch_in_rounds(job);
     if job.spec.vehicles.len() > crowd::MAX {
         return best;
@@ -267,34 +286,21 @@ fn with_nested_budgets(job: Job<'_>) -> Dispatched {
             return best;
         }
     }
-    let try_with = |best: &mut Dispatched, evaluations: usize| {
-        let mut spec = job.spec.clone();
-        spec.planner.evaluations = evaluations;
-        let other = dispatch_in_rounds(Job { spec: &spec, ..job });
+    let or_better = |best: &mut Dispatched, other: Dispatched| {
         if other.is_better_than(best.rank()) {
             *best = other;
         }
     };
-    let count = job.spec.vehicles.len();
-    if (2..=degrees_of_freedom::ALWAYS).contains(&count)
-        && best.plan.cost() > NEAR_BOUND * best.plan.bound()
-    {
-        for evaluations in budgets::small(job.spec) {
-            if job.run.is_nested && !job.run.is_cancelled() {
-                try_with(&mut best, evaluations);
-            }
-        }
+    if let Some(small) = small.filter(|_| pays(&best, NEAR_BOUND)) {
+        or_better(&mut best, small);
     }
     for evaluations in budgets::smaller(job.spec) {
         if job.run.is_nested && !job.run.is_cancelled() {
-            try_with(&mut best, evaluations);
+            or_better(&mut best, with(evaluations));
         }
     }
     if best.may_fly_closer() && !job.run.is_cancelled() {
-        let close = dispatch_closely(job);
-        if close.is_better_than(best.rank()) {
-            best = close;
-        }
+        or_better(&mut best, dispatch_closely(job));
     }
     for evaluations in budgets::parts(job.spec) {
         let mut broken = best.review.margins.iter().filter(|margin| !margin.ok);
@@ -303,9 +309,14 @@ fn with_nested_budgets(job: Job<'_>) -> Dispatched {
         if !may_be_found || job.run.is_cancelled() {
             break;
         }
-        try_with(&mut best, evaluations);
+        or_better(&mut best, with(evaluations));
     }
     best
+}
+
+/// Whether a plan costs more than this many times the bounds of its vehicles together.
+fn pays(found: &Dispatched, times: f64) -> bool {
+    found.plan.cost() > times * found.plan.bound()
 }
 
 /// Encodes the missions of the plan of a round and judges them. Those of paths that are as they

@@ -53,9 +53,13 @@ impl Dispatched {
 
 /// Whether vehicles may rest where nobody asked for it: not those of tasks, whose stops are made already.
 fn may_rest(job: Job<'_>) -> bool {
+    std::ptr::eq(job.spec, job.judged.0) && may_have_stops(job)
+}
+
+/// Whether vehicles of a fleet may get stops that nobody asked for.
+fn may_have_stops(job: Job<'_>) -> bool {
     let planner = &job.spec.planner;
     (planner.algorithm, planner.objective) == (Algorithm::Msfoa, Objective::Operational)
-        && std::ptr::eq(job.spec, job.judged.0)
         && job.run.earlier.is_none()
         && job.spec.vehicles.len() <= MAX
 }

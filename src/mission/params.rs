@@ -190,7 +190,12 @@ fn altitude_acceptance_m(options: &MissionOptions) -> f64 {
 
 /// A comment with the names that parameters have in a version.
 fn with_names(why: &str, version: Option<Version>) -> String {
-    let named = |word| parameter(word).map_or(word, |row| name_in(row.name, version));
+    // Every plan of a search sets all of them: only words that may be names are looked up.
+    let may_be_name = |word: &str| word.starts_with(|first: char| first.is_ascii_uppercase());
+    let named = |word| {
+        let row = may_be_name(word).then(|| parameter(word)).flatten();
+        row.map_or(word, |row| name_in(row.name, version))
+    };
     let words: Vec<&str> = why.split(' ').map(named).collect();
     words.join(" ")
 }

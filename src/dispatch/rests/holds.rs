@@ -2,22 +2,27 @@
 
 use super::super::tighten::Strictness;
 use super::super::{Dispatched, Job, judged};
-use super::may_rest;
+use super::may_have_stops;
 use crate::cost::Margins;
 use crate::plan::AloneWithHolds;
 use crate::verify::{Limit, Reviewer};
 
 /// Choices of holds, each with what the verdict on the one before found.
-const ROUNDS: usize = 4;
-/// Most that a round adds to the separation, metres.
-const MAX_M: f64 = 10.0;
+const ROUNDS: usize = 8;
+/// Most that a round adds to the separation, metres: with much more no holds may be left.
+const MAX_M: f64 = 3.0;
 
 /// A dispatched fleet, or where that is better the same with holds on the ways that the vehicles would fly alone.
 pub(in crate::dispatch) fn or_with_holds(job: Job<'_>, found: Dispatched) -> Dispatched {
     let fails = shortfall_m(&found) > 0.0;
     let pays = found.plan.vehicles.iter().any(|plan| plan.is_detour);
     let is_static = job.spec.no_fly.iter().all(|zone| zone.active_s.is_none());
-    let may_hold = may_rest(job) && job.spec.vehicles.len() > 1 && found.with_rests.is_none();
+    // Those of tasks too, besides the stops of these.
+    let is_planned = std::ptr::eq(job.spec, job.judged.0) || !job.judged.0.tasks.is_empty();
+    let may_hold = is_planned
+        && may_have_stops(job)
+        && job.spec.vehicles.len() > 1
+        && found.with_rests.is_none();
     if !may_hold || !is_static || !fails && !pays || job.run.is_cancelled() {
         return found;
     }

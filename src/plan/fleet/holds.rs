@@ -7,7 +7,6 @@
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 
-use super::prioritised::counted;
 use super::vehicle::path_basis;
 use super::{Planning, Request, flight_of};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
@@ -109,7 +108,7 @@ impl<'a> AloneWithHolds<'a> {
         let planning = Planning::new(spec, world, &request);
         let known = plan.vehicles.par_iter().enumerate();
         let alone: Vec<VehiclePlan> = known
-            .map(|(index, plan)| planning.alone_of(index, plan))
+            .map(|(index, plan)| planning.plan_alone(index, plan.estimate))
             .collect();
         let cost: f64 = alone.iter().map(|plan| plan.terms.total()).sum();
         let are_clean = alone.iter().all(|plan| plan.terms.is_clean());
@@ -217,20 +216,6 @@ fn in_order(
 }
 
 impl Planning<'_> {
-    /// The plan that a vehicle would have alone, at the specified departure and speed.
-    fn alone_of(&self, index: usize, plan: &VehiclePlan) -> VehiclePlan {
-        let vehicle = &self.spec.vehicles[index];
-        let times = [
-            (plan.depart_s, vehicle.depart_s),
-            (plan.speed_mps, vehicle.speed_mps),
-        ];
-        let is_as_specified = times.iter().all(|(is, was)| is.to_bits() == was.to_bits());
-        match is_as_specified && !plan.is_detour {
-            true => counted(plan),
-            false => self.plan_alone(index, plan.estimate),
-        }
-    }
-
     /// A way alone with the points at which the vehicle may hold on it.
     fn with_hold_points(&self, index: usize, plan: VehiclePlan) -> Alone {
         let points = self.holds(index, &plan).into_par_iter();
@@ -297,7 +282,8 @@ impl Planning<'_> {
         holds
     }
 
-    /// The plan of a vehicle with a hold on its way, and the spec and world that have it.
+    /// The plan of a vehicle with a hold on its way, and the spec and world that have it. It costs what the way alone
+    /// does: the parts are the same curve.
     fn held(
         &self,
         index: usize,
@@ -322,11 +308,10 @@ impl Planning<'_> {
             path_basis(&context, points.len())
         });
         let bases: Vec<_> = bases.collect();
-        let mut plan = VehiclePlan {
+        let plan = VehiclePlan {
             routes: planning.routes_of(index, &shape, &bases),
             ..alone.clone()
         };
-        [plan.terms, _] = planning.judged(index, &plan);
         (spec, world, plan)
     }
 }
