@@ -131,17 +131,17 @@ pub fn verify(mission: &Mission, missions: &[(usize, VehicleMission)]) -> Review
 #[must_use]
 pub fn files(mission: &Mission, planned: &Dispatched) -> Vec<(String, String)> {
     let vehicles = &mission.spec().vehicles;
-    let missions = planned.missions.iter();
+    let (missions, seed) = (planned.missions.iter(), planned.plan.seed);
     missions
         .filter_map(|(vehicle, items)| Some((&vehicles.get(*vehicle)?.id, items)))
-        .flat_map(|(id, items)| mission_files(id, items, planned.review.accepts(id)))
+        .flat_map(|(id, items)| mission_files(id, (items, seed), planned.review.accepts(id)))
         .collect()
 }
 
 /// Names and texts of the files of one vehicle.
 pub(crate) fn mission_files(
     id: &str,
-    mission: &VehicleMission,
+    (mission, seed): (&VehicleMission, u64),
     is_accepted: bool,
 ) -> [(String, String); 3] {
     let tag = if is_accepted { "" } else { REJECTED };
@@ -151,7 +151,10 @@ pub(crate) fn mission_files(
             formats::waypoints::write(mission),
         ),
         (format!("{id}{tag}.plan"), formats::plan::write(mission)),
-        (format!("{id}.params"), formats::params::write(mission)),
+        (
+            format!("{id}.params"),
+            formats::params::write(mission, seed),
+        ),
     ]
 }
 

@@ -31,6 +31,9 @@ pub(super) fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dis
             judged: (spec, world),
             run,
         });
+        if let Some(held) = done.with_rests.take() {
+            tasks.add_stops(*held);
+        }
         let delayed = done.delayed.take().unwrap_or_default();
         for (own, stops) in tasks.spec.vehicles.iter_mut().zip(delayed) {
             own.stops = stops;

@@ -6,13 +6,14 @@ use std::collections::hash_map::Entry;
 use crate::autopilot::{self, Autopilot};
 use crate::mission::{Parameter, VehicleMission};
 
-/// The parameters that the verdict assumes, as text.
+/// The parameters that the verdict assumes of a plan with a seed, as text.
 ///
 /// ArduPilot: `NAME,VALUE` lines with `#` comments. PX4: QGroundControl's table of
 /// vehicle, component, name, value and `MAV_PARAM_TYPE` (6 int32, 9 float).
 #[must_use]
-pub fn write(mission: &VehicleMission) -> String {
-    let mut text = String::from("# What the verdict on this mission assumes of the vehicle.\n");
+pub fn write(mission: &VehicleMission, seed: u64) -> String {
+    let mut text =
+        format!("# What the verdict on this mission (seed {seed}) assumes of the vehicle.\n");
     for note in &mission.notes {
         text.push_str(&format!("# Note: {}\n", note.replace(['\r', '\n'], " ")));
     }

@@ -44,6 +44,25 @@ pub struct FleetTasks {
     estimated: Vec<(f64, f64)>,
 }
 
+impl FleetTasks {
+    /// Takes a spec and its world that have more stops than those of the tasks.
+    pub(crate) fn add_stops(&mut self, (spec, world): (MissionSpec, World)) {
+        let fleets = self.spec.vehicles.iter().zip(&spec.vehicles);
+        for ((own, with_more), tasks) in fleets.zip(&mut self.done) {
+            let is_own = |stop: &Stop| own.stops.iter().any(|known| known.id == stop.id);
+            let all = with_more.stops.iter().enumerate();
+            let now: Vec<usize> = (all.filter(|(_, stop)| is_own(stop)))
+                .map(|(index, _)| index)
+                .collect();
+            let moved = |index: usize| now.get(index).copied().unwrap_or(index);
+            for task in tasks {
+                (task.first, task.last) = (moved(task.first), moved(task.last));
+            }
+        }
+        (self.spec, self.world) = (spec, world);
+    }
+}
+
 /// A task and the stops that its vehicle makes for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AssignedTask {

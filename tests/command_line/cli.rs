@@ -111,6 +111,11 @@ fn json_is_one_document_on_stdout() {
     let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
     assert_eq!(document["seed"], 7);
     assert_eq!(document["verdict"], "pass");
+    let params = fs::read_dir(folder.path().join("out/hop")).expect("written");
+    let mut params = params.map(|file| file.expect("a file").path());
+    let params = params.find(|path| path.extension().is_some_and(|of| of == "params"));
+    let params = fs::read_to_string(params.expect("parameters")).expect("text");
+    assert!(params.starts_with("# What the verdict on this mission (seed 7) assumes"));
 }
 
 #[test]

@@ -83,9 +83,10 @@ pub(super) fn write(
     }
     folder.write("spec.yaml", file.text.as_bytes())?;
     let accepted = dispatched.review.accepted();
+    let seed = dispatched.plan.seed;
     for (vehicle, mission) in &dispatched.missions {
         let id = &file.spec.vehicles[*vehicle].id;
-        write_mission(&folder, id, mission, accepted.contains(id.as_str()))?;
+        write_mission(&folder, id, (mission, seed), accepted.contains(id.as_str()))?;
     }
     write_documents(&folder, file, world, dispatched)?;
     folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
@@ -153,10 +154,10 @@ fn write_documents(
 fn write_mission(
     folder: &NewFolder,
     id: &str,
-    mission: &VehicleMission,
+    planned: (&VehicleMission, u64),
     is_accepted: bool,
 ) -> Result<(), Failure> {
-    for (name, text) in mission_files(id, mission, is_accepted) {
+    for (name, text) in mission_files(id, planned, is_accepted) {
         folder.write(&name, text.as_bytes())?;
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! What a plan does that the spec does not say.
 
 use crate::dispatch::Dispatched;
-use crate::spec::{Arrival, MissionSpec, SpecFile, Stop, Vehicle};
+use crate::spec::{Arrival, MissionSpec, SpecFile, Stop, Task, Vehicle};
 
 /// All notes, a line each.
 pub(super) fn all(file: &SpecFile, planned: &MissionSpec, dispatched: &Dispatched) -> Vec<String> {
@@ -9,18 +9,23 @@ pub(super) fn all(file: &SpecFile, planned: &MissionSpec, dispatched: &Dispatche
     let missions = missions.map(|(note, ids)| format!("{}: {note}", ids.join(", ")));
     let mut all = given_way(file, dispatched);
     all.extend(resting(planned));
-    if dispatched.tasks.is_none() {
-        all.extend(holding(&file.spec, planned));
-    }
+    all.extend(holding(&file.spec, planned));
     all.extend(missions);
     all
 }
 
-/// The vehicles that hold on their way until others have passed: of a fleet without tasks, whose stops are new too.
+/// The vehicles that hold on their way until others have passed, at stops that are neither theirs nor those of tasks.
 fn holding(specified: &MissionSpec, planned: &MissionSpec) -> Vec<String> {
     let fleet = specified.vehicles.iter().zip(&planned.vehicles);
+    let is_of = |task: &Task, stop: &Stop| {
+        let is_line = stop.id.strip_prefix(&task.id);
+        let is_line = is_line.is_some_and(|rest| rest.starts_with('.'));
+        is_line || task.stops.iter().any(|own| own.id == stop.id)
+    };
     let line = |(own, planned): (&Vehicle, &Vehicle)| {
-        let is_new = |stop: &&Stop| own.stops.iter().all(|known| known.id != stop.id);
+        let is_own = |stop: &Stop| own.stops.iter().any(|known| known.id == stop.id);
+        let is_new =
+            |stop: &&Stop| !is_own(stop) && !specified.tasks.iter().any(|task| is_of(task, stop));
         let mut stops = planned.stops.iter().filter(is_new);
         let hold = stops.find(|stop| stop.arrives == Arrival::Planned)?;
         Some(format!(
