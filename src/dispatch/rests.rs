@@ -18,7 +18,7 @@ const MAX_RESTS: usize = 190;
 /// A dispatched fleet, or where that is better the same with rests on its way.
 pub(super) fn or_with_rests(job: Job<'_>, dispatch: impl Fn(Job<'_>) -> Dispatched) -> Dispatched {
     let found = dispatch(job);
-    if !may_rest(job) || job.run.is_cancelled() {
+    if !may_rest(job) || found.with_rests.is_some() || job.run.is_cancelled() {
         return found;
     }
     let Some((mut spec, world)) = with_rests(job, &found) else {

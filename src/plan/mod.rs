@@ -105,6 +105,14 @@ impl Route {
         self.path.last().map_or(0.0, |last| last.t_s)
     }
 
+    /// Length in three dimensions, metres.
+    pub(crate) fn length_m(&self) -> f64 {
+        let pieces = self.path.windows(2);
+        pieces
+            .map(|pair| pair[0].point.distance_m(pair[1].point))
+            .sum()
+    }
+
     /// The points of its path.
     #[must_use]
     pub fn points(&self) -> Vec<PlanPoint> {
@@ -203,10 +211,7 @@ impl VehiclePlan {
     /// Length of all routes in three dimensions, metres.
     #[must_use]
     pub fn length_m(&self) -> f64 {
-        let pieces = self.routes.iter().flat_map(|route| route.path.windows(2));
-        pieces
-            .map(|pair| pair[0].point.distance_m(pair[1].point))
-            .sum()
+        self.routes.iter().map(Route::length_m).sum()
     }
 
     /// All routes in one, in order of time.

@@ -123,6 +123,11 @@ impl Spline {
         [part(east_a, north_a, amsl_a), part(east_b, north_b, amsl_b)]
     }
 
+    /// How many spans it has.
+    pub(crate) fn spans(&self) -> usize {
+        self.east_m.len().saturating_sub(3)
+    }
+
     /// The control points.
     pub(crate) fn points(&self) -> Vec<PlanPoint> {
         self.east_m

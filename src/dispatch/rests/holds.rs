@@ -5,7 +5,9 @@ use super::super::{Dispatched, Job, judged};
 use super::may_have_stops;
 use crate::cost::Margins;
 use crate::plan::AloneWithHolds;
+use crate::spec::MissionSpec;
 use crate::verify::{Limit, Reviewer};
+use crate::world::World;
 
 /// Choices of holds, each with what the verdict on the one before found.
 const ROUNDS: usize = 8;
@@ -26,42 +28,68 @@ pub(in crate::dispatch) fn or_with_holds(job: Job<'_>, found: Dispatched) -> Dis
     if !may_hold || !is_static || !fails && !pays || job.run.is_cancelled() {
         return found;
     }
-    let mut margins = Strictness::first(job.spec).margins;
-    stricter(&mut margins, job, &found);
-    let of = (job.spec, job.world);
-    let Some(fleet) = AloneWithHolds::new(of, (&found.plan, fails), margins.clone()) else {
-        return found;
+    match with_holds(job, &found, fails) {
+        Some((held, other)) => other.on_stops_of(held, &found),
+        None => found,
+    }
+}
+
+/// The first plan with holds that passes and is better, and the spec and the world that have them.
+fn with_holds(
+    job: Job<'_>,
+    found: &Dispatched,
+    fails: bool,
+) -> Option<((MissionSpec, World), Dispatched)> {
+    let mut strictness = Strictness::first(job.spec);
+    let mut margins = strictness.margins.clone();
+    stricter(&mut margins, job, found);
+    let alone = |margins: &[Margins]| {
+        let of = (job.spec, job.world);
+        AloneWithHolds::new(of, (&found.plan, fails), margins.to_vec())
     };
+    let mut fleet = alone(&margins)?;
     let mut reviewer = Reviewer::new(job.judged.0, job.judged.1);
     for round in 1..=ROUNDS {
-        let Some(held) = fleet.held(&margins) else {
-            break;
+        let Some(held) = fleet.held(&margins).filter(|_| !job.run.is_cancelled()) else {
+            if round > 1 {
+                return None;
+            }
+            // How much of the distance is needed says the verdict then.
+            for margins in &mut margins {
+                margins.separation_m = 0.0;
+            }
+            continue;
         };
         let (spec, world) = (&held.spec, &held.world);
-        let other = judged(
-            Job { spec, world, ..job },
-            &mut reviewer,
-            (round, held.plan),
-            None,
-        );
+        let own = Job { spec, world, ..job };
+        let other = judged(own, &mut reviewer, (round, held.plan), None);
         if other.review.passes() {
-            let is_better = other.is_better_than(found.rank());
-            return match is_better {
-                true => other.on_stops_of((held.spec, held.world), &found),
-                false => found,
-            };
+            let saves = fails || other.plan.cost() + held.price < found.plan.cost();
+            let is_better = saves && other.is_better_than(found.rank());
+            return is_better.then_some(((held.spec, held.world), other));
         }
         let short_m = shortfall_m(&other);
-        if short_m <= 0.0 || job.run.is_cancelled() {
-            break;
-        }
-        if !stricter(&mut margins, job, &other) {
+        if short_m <= 0.0 {
+            // The legs of a way in two parts leave it elsewhere than those of the whole.
+            let again = strictness.tighten(spec, world, &other.plan, &other.review);
+            if again.is_empty() {
+                return None;
+            }
+            for (margins, own) in margins.iter_mut().zip(&strictness.margins) {
+                *margins = Margins {
+                    separation_m: margins.separation_m,
+                    shift_s: margins.shift_s,
+                    ..*own
+                };
+            }
+            fleet = alone(&margins)?;
+        } else if !stricter(&mut margins, job, &other) {
             for margins in &mut margins {
                 margins.separation_m += short_m.min(MAX_M) + 0.1;
             }
         }
     }
-    found
+    None
 }
 
 /// By how much two vehicles are too near, metres; 0 where none are.

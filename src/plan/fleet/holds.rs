@@ -4,6 +4,8 @@
 //! would fly alone. In several orders of priority the vehicles take one after the other the shortest hold that keeps
 //! them apart from those before; the order with the least time of holding wins.
 
+use std::collections::BTreeSet;
+
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 
@@ -11,9 +13,9 @@ use super::vehicle::path_basis;
 use super::{Planning, Request, flight_of};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
 use crate::geodesy::PlanPoint;
-use crate::numeric::Seed;
 use crate::numeric::approach::Segment;
 use crate::numeric::tracks::{Track, Tracks};
+use crate::numeric::{Seed, as_f64};
 use crate::path::route_ends;
 use crate::plan::spline::Spline;
 use crate::plan::{FleetPlan, VehiclePlan};
@@ -24,12 +26,21 @@ use crate::world::World;
 /// not make a fleet dearer: there every hold counts.
 const DEAR: f64 = 1.01;
 const DEAR_WITH_FREEDOMS: f64 = 1.0001;
-/// Points on a route at which a copter may hold.
-const HOLD_POINTS: usize = 8;
-/// Fewest spans of a route, which can only be split between two of them.
+/// Elsewhere holds must save this share of the way that their vehicles would fly meanwhile: who waits half a minute for
+/// some metres had better fly around.
+const SAVED: f64 = 0.1;
+/// Points evenly along a route at which a copter may hold.
+const EVEN: usize = 8;
+/// Points near to its start besides, in front of what is narrow there, each further away by a factor.
+const NEAR_START: usize = 6;
+const FURTHER: f64 = 1.5;
+/// Fewest spans of a route, which can only be split between two of them; and most where they are longer than needed.
 const SPANS: usize = 24;
+const MAX_SPANS: usize = 192;
 /// Nearest to the ends of its route, metres.
 const FROM_END_M: f64 = 20.0;
+/// Longest span, metres, of a route with fewer spans than the most: a copter may hold between any two.
+const SPAN_M: f64 = 0.25 * FROM_END_M;
 /// Holds that are tried, seconds: from the first number to the second in steps of the third.
 const HOLDS_S: [(u16, u16, usize); 3] = [(5, 60, 5), (65, 180, 10), (185, 600, 30)];
 /// The shortest of them.
@@ -44,6 +55,8 @@ pub(crate) struct Held {
     pub(crate) spec: MissionSpec,
     pub(crate) world: World,
     pub(crate) plan: FleetPlan,
+    /// What its holds must save at least, in units of cost.
+    pub(crate) price: f64,
 }
 
 /// A hold on the way that a vehicle would fly alone.
@@ -91,6 +104,8 @@ pub(crate) struct AloneWithHolds<'a> {
     of: (&'a MissionSpec, &'a World),
     seed: u64,
     fleet: Vec<Alone>,
+    /// Share of the way flown during a hold that it must save.
+    saved: f64,
 }
 
 impl<'a> AloneWithHolds<'a> {
@@ -123,6 +138,7 @@ impl<'a> AloneWithHolds<'a> {
         Some(Self {
             of: (spec, world),
             seed: plan.seed,
+            saved: if is_open { 0.0 } else { SAVED },
             fleet: fleet
                 .map(|(index, plan)| planning.with_hold_points(index, plan))
                 .collect(),
@@ -144,6 +160,13 @@ impl<'a> AloneWithHolds<'a> {
         });
         let found: Vec<(f64, Vec<Option<Hold>>)> = found.collect();
         let (_, holds) = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let fleet = self.fleet.iter().zip(&holds);
+        let held_m = fleet.filter_map(|(alone, hold)| {
+            let hold = hold.as_ref()?;
+            Some(hold.hold_s * alone.plan.speed_mps)
+        });
+        let held_km = held_m.sum::<f64>() / 1000.0;
+        let price = self.saved * held_km * self.of.0.planner.weights.length;
         let (mut spec, mut world) = (self.of.0.clone(), self.of.1.clone());
         let held = self.fleet.iter().zip(&holds).enumerate();
         let held = held.map(|(index, (alone, hold))| match hold {
@@ -156,7 +179,12 @@ impl<'a> AloneWithHolds<'a> {
         let vehicles = held.collect();
         let seed = self.seed;
         let plan = FleetPlan { seed, vehicles };
-        Some(Held { spec, world, plan })
+        Some(Held {
+            spec,
+            world,
+            plan,
+            price,
+        })
     }
 }
 
@@ -257,27 +285,20 @@ impl Planning<'_> {
             if arrival != Arrival::Planned || flown.control_points.len() < 4 {
                 continue;
             }
+            let length_m = flown.length_m();
             let mut spline = Spline::through(&flown.control_points);
-            while spline.east_m.len() < SPANS + 3 {
+            while spline.spans() < SPANS
+                || spline.spans() < MAX_SPANS && length_m > SPAN_M * as_f64(spline.spans())
+            {
                 spline = spline.halved();
             }
-            let spans = spline.east_m.len() - 3;
-            let (first, last) = (spline.points()[0], spline.points()[spans + 2]);
-            for number in 0..HOLD_POINTS {
-                let parts = spline.split(number * (spans - 1) / HOLD_POINTS);
-                let Some(at) = parts[0].points().pop() else {
-                    continue;
-                };
-                if at.distance_m(first).min(at.distance_m(last)) >= FROM_END_M {
-                    let hold_s = FIRST_S;
-                    holds.push(Hold {
-                        route,
-                        at,
-                        parts,
-                        hold_s,
-                    });
-                }
-            }
+            let parts = hold_points(&spline).into_iter();
+            holds.extend(parts.map(|(at, parts)| Hold {
+                route,
+                at,
+                parts,
+                hold_s: FIRST_S,
+            }));
         }
         holds
     }
@@ -328,6 +349,31 @@ impl Hold {
         stops.insert(self.route, stop);
         world.sites[index].stops.insert(self.route, self.at);
     }
+}
+
+/// Points at which a copter may hold on a route, and the parts before and after each.
+fn hold_points(spline: &Spline) -> Vec<(PlanPoint, [Spline; 2])> {
+    let points = spline.points();
+    let (Some(&first), Some(&last)) = (points.first(), points.last()) else {
+        return Vec::new();
+    };
+    let splits = (0..spline.spans() - 1).map(|span| spline.split(span));
+    let splits = splits.filter_map(|parts| Some((parts[0].points().pop()?, parts)));
+    let is_inside = |at: PlanPoint| at.distance_m(first).min(at.distance_m(last)) >= FROM_END_M;
+    let inside: Vec<(PlanPoint, [Spline; 2])> = splits.filter(|(at, _)| is_inside(*at)).collect();
+    let Some(end) = inside.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let even = (0..EVEN).map(|number| number * end / (EVEN - 1));
+    let distances_m = std::iter::successors(Some(FROM_END_M), |m| Some(FURTHER * m));
+    let near_start = distances_m.take(NEAR_START).filter_map(|away_m| {
+        let mut inside = inside.iter();
+        inside.position(|(at, _)| at.distance_m(first) >= away_m)
+    });
+    let chosen: BTreeSet<usize> = even.chain(near_start).collect();
+    let numbered = inside.into_iter().enumerate();
+    let chosen = numbered.filter(|(number, _)| chosen.contains(number));
+    chosen.map(|(_, found)| found).collect()
 }
 
 /// Times of holds to try, seconds.

@@ -51,6 +51,32 @@ fn vehicles_that_share_a_gap_hold_until_others_have_passed_and_fly_no_further() 
     }
 }
 
+/// By hand 2.3884, 2.534, 2.4405 and 0.2400. Each of the ways alone has a place for a hold near its start only, or leaves a
+/// zone no more than its limit where it is flown in two parts.
+#[test]
+fn copters_hold_soon_after_their_starts_where_others_come_the_same_way() {
+    let names = [
+        "corridor-three",
+        "gap-three",
+        "gap-short-windows",
+        "short-crossing",
+    ];
+    for name in names {
+        let (spec, found) = planned(&format!("{name}.yaml"), Some(1000));
+        let gap = found.plan.gap().expect("a plan that breaks nothing");
+        assert!(gap < 0.006, "{name}: {gap}");
+        assert!(!holds_s(&spec, &found).is_empty(), "{name}");
+    }
+}
+
+/// Three that cross over open ground: 35 s of waiting would save 21 m of way.
+#[test]
+fn nobody_holds_for_some_metres_of_way() {
+    let (spec, found) = planned("open-crossing.yaml", Some(1000));
+    assert!(found.plan.gap().is_some_and(|gap| gap < 0.03));
+    assert!(holds_s(&spec, &found).is_empty());
+}
+
 #[test]
 fn a_hold_costs_nothing() {
     let (spec, found) = planned("gap-from-both-sides.yaml", Some(1000));
