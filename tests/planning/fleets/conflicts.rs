@@ -283,7 +283,7 @@ fn blocked_corridor() -> SpecFile {
         + &vehicle(
             "balloon",
             2,
-            "lat: -35.360, lon: 149.157",
+            "lat: -35.360, lon: 149.165",
             "lat: -35.360, lon: 149.166",
             "loiter",
         )
