@@ -98,8 +98,8 @@ impl Run<'_> {
 
 /// Vehicles whose plans cost less than this many times their bounds together hardly pay for each other.
 const NEAR_BOUND: f64 = 1.005;
-/// Ways around each other that cost more than this many times the bounds with few evaluations are hardly found much
-/// cheaper with more, which takes long: holds are tried before. Elsewhere they come last, as they take time.
+/// Where a plan with few evaluations costs more than this many times the bounds, holds are tried before the full search,
+/// which takes long and seldom finds much cheaper detours. Elsewhere they come last, as the flight takes longer with them.
 const FAR_ABOVE: f64 = 1.1;
 
 /// Plans the fleet, and plans again the vehicles that fail, with stricter margins.

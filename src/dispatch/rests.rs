@@ -53,13 +53,15 @@ impl Dispatched {
 
 /// Whether vehicles may rest where nobody asked for it: not those of tasks, whose stops are made already.
 fn may_rest(job: Job<'_>) -> bool {
-    std::ptr::eq(job.spec, job.judged.0) && may_have_stops(job)
+    job.judged.0.tasks.is_empty() && may_have_stops(job)
 }
 
-/// Whether vehicles of a fleet may get stops that nobody asked for.
+/// Whether vehicles may get stops that nobody asked for: those that have the stops of the spec, or of its tasks.
 fn may_have_stops(job: Job<'_>) -> bool {
+    let judged = job.judged.0;
     let planner = &job.spec.planner;
-    (planner.algorithm, planner.objective) == (Algorithm::Msfoa, Objective::Operational)
+    (std::ptr::eq(job.spec, judged) || !judged.tasks.is_empty())
+        && (planner.algorithm, planner.objective) == (Algorithm::Msfoa, Objective::Operational)
         && job.run.earlier.is_none()
         && job.spec.vehicles.len() <= MAX
 }

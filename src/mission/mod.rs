@@ -6,6 +6,7 @@
 mod accept;
 mod build;
 mod descent;
+mod held_params;
 mod item;
 mod parameter_overrides;
 mod params;
@@ -20,11 +21,11 @@ pub use build::fence::{FENCE_REACH_S, fence_needs, fence_pieces};
 pub use build::wing::landing_course_note;
 pub use build::{MissionError, build, build_course};
 pub use descent::Descent;
+pub use held_params::{
+    acceptance_m, corner_accel_mps2, cruise_speed_mps, first_speed_mps, is_lean_limit, jerk_mps3,
+    lean_limit_deg, placing_mps, within_speeds_mps,
+};
 pub(crate) use item::value_si_of;
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use parameter_overrides::{as_set, as_set_on_rotors, rate_parameters};
-pub use params::{
-    acceptance_m, corner_accel_mps2, corner_cut_m, cruise_speed_mps, first_speed_mps,
-    is_lean_limit, jerk_mps3, lean_limit_deg, parameters, placing_mps, turn_radius_m,
-    within_speeds_mps,
-};
+pub use params::{corner_cut_m, parameters, turn_radius_m};

@@ -197,7 +197,7 @@ fn a_copter_that_is_about_to_place_its_load_places_it_and_takes_its_new_path() {
     let action = "{payload_place: {max_descent_m: 80}}";
     let places_it = |before_s: f64| {
         let (folder, runs) = planned("tasks", &TASKS.replace("ACTION", action));
-        // Two seconds are half a one of the clock, in which a busy machine says that it is near.
+        // The tightest wait is half a second of the clock: a loaded machine takes that long to order.
         let mut flight = take_off(folder.path(), "tasks.yaml", "4");
         wait_for(&runs, "alpha", stop_s(&runs, "alpha") - before_s);
         let output = sortie(folder.path(), &["replan", "tasks.yaml", THREAT]);

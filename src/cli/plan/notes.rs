@@ -1,7 +1,7 @@
 //! What a plan does that the spec does not say.
 
 use crate::dispatch::Dispatched;
-use crate::spec::{Arrival, MissionSpec, SpecFile, Stop, Task, Vehicle};
+use crate::spec::{Arrival, MissionSpec, SpecFile, Stop, Vehicle};
 
 /// All notes, a line each.
 pub(super) fn all(file: &SpecFile, planned: &MissionSpec, dispatched: &Dispatched) -> Vec<String> {
@@ -17,15 +17,10 @@ pub(super) fn all(file: &SpecFile, planned: &MissionSpec, dispatched: &Dispatche
 /// The vehicles that hold on their way until others have passed, at stops that are neither theirs nor those of tasks.
 fn holding(specified: &MissionSpec, planned: &MissionSpec) -> Vec<String> {
     let fleet = specified.vehicles.iter().zip(&planned.vehicles);
-    let is_of = |task: &Task, stop: &Stop| {
-        let is_line = stop.id.strip_prefix(&task.id);
-        let is_line = is_line.is_some_and(|rest| rest.starts_with('.'));
-        is_line || task.stops.iter().any(|own| own.id == stop.id)
-    };
+    let is_of_task = |stop: &Stop| specified.tasks.iter().any(|task| task.has_stop(stop));
     let line = |(own, planned): (&Vehicle, &Vehicle)| {
         let is_own = |stop: &Stop| own.stops.iter().any(|known| known.id == stop.id);
-        let is_new =
-            |stop: &&Stop| !is_own(stop) && !specified.tasks.iter().any(|task| is_of(task, stop));
+        let is_new = |stop: &&Stop| !is_own(stop) && !is_of_task(stop);
         let mut stops = planned.stops.iter().filter(is_new);
         let hold = stops.find(|stop| stop.arrives == Arrival::Planned)?;
         Some(format!(

@@ -19,12 +19,7 @@ pub(in crate::dispatch) fn or_with_holds(job: Job<'_>, found: Dispatched) -> Dis
     let fails = shortfall_m(&found) > 0.0;
     let pays = found.plan.vehicles.iter().any(|plan| plan.is_detour);
     let is_static = job.spec.no_fly.iter().all(|zone| zone.active_s.is_none());
-    // Those of tasks too, besides the stops of these.
-    let is_planned = std::ptr::eq(job.spec, job.judged.0) || !job.judged.0.tasks.is_empty();
-    let may_hold = is_planned
-        && may_have_stops(job)
-        && job.spec.vehicles.len() > 1
-        && found.with_rests.is_none();
+    let may_hold = may_have_stops(job) && job.spec.vehicles.len() > 1 && found.with_rests.is_none();
     if !may_hold || !is_static || !fails && !pays || job.run.is_cancelled() {
         return found;
     }
@@ -54,7 +49,7 @@ fn with_holds(
             if round > 1 {
                 return None;
             }
-            // How much of the distance is needed says the verdict then.
+            // From the limit itself on: the verdict says how much more is needed.
             for margins in &mut margins {
                 margins.separation_m = 0.0;
             }
@@ -70,7 +65,7 @@ fn with_holds(
         }
         let short_m = shortfall_m(&other);
         if short_m <= 0.0 {
-            // The legs of a way in two parts leave it elsewhere than those of the whole.
+            // A path in two parts is encoded with other legs, which may come nearer to a limit.
             let again = strictness.tighten(spec, world, &other.plan, &other.review);
             if again.is_empty() {
                 return None;

@@ -26,20 +26,20 @@ use crate::world::World;
 /// not make a fleet dearer: there every hold counts.
 const DEAR: f64 = 1.01;
 const DEAR_WITH_FREEDOMS: f64 = 1.0001;
-/// Elsewhere holds must save this share of the way that their vehicles would fly meanwhile: who waits half a minute for
-/// some metres had better fly around.
+/// Elsewhere holds must save this share of the distance that their vehicles would fly meanwhile: half a minute in the air
+/// for some metres is no gain.
 const SAVED: f64 = 0.1;
 /// Points evenly along a route at which a copter may hold.
 const EVEN: usize = 8;
-/// Points near to its start besides, in front of what is narrow there, each further away by a factor.
+/// Points near its start besides, before it comes near to others, each further away by a factor.
 const NEAR_START: usize = 6;
 const FURTHER: f64 = 1.5;
-/// Fewest spans of a route, which can only be split between two of them; and most where they are longer than needed.
+/// Fewest and most spans of a route, which can only be split between two of them.
 const SPANS: usize = 24;
 const MAX_SPANS: usize = 192;
 /// Nearest to the ends of its route, metres.
 const FROM_END_M: f64 = 20.0;
-/// Longest span, metres, of a route with fewer spans than the most: a copter may hold between any two.
+/// Longest span of a route that has fewer than [`MAX_SPANS`], metres.
 const SPAN_M: f64 = 0.25 * FROM_END_M;
 /// Holds that are tried, seconds: from the first number to the second in steps of the third.
 const HOLDS_S: [(u16, u16, usize); 3] = [(5, 60, 5), (65, 180, 10), (185, 600, 30)];

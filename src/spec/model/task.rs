@@ -19,6 +19,13 @@ pub struct Task {
 }
 
 impl Task {
+    /// Whether a vehicle has a stop for it: those of its places and of its lines are named after it.
+    #[must_use]
+    pub fn has_stop(&self, stop: &Stop) -> bool {
+        let rest = stop.id.strip_prefix(&self.id);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    }
+
     /// Whether a vehicle may be given it: a copter whose autopilot runs its actions, and which takes
     /// no pictures at a distance of its own where the task does.
     #[must_use]

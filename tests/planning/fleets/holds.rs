@@ -40,7 +40,7 @@ fn vehicles_that_share_a_gap_hold_until_others_have_passed_and_fly_no_further() 
         ("gap-one-way.yaml", 4.8568),
     ] {
         let (spec, found) = planned(name, None);
-        // What holds breaks no limit that its way alone keeps.
+        // A path with a hold breaks no limit that it keeps without.
         assert!(found.plan.gap().is_some_and(|gap| gap < 0.005), "{name}");
         let cost = found.plan.cost();
         assert!(cost < 1.003 * by_hand, "{name}: {cost}");
@@ -51,8 +51,8 @@ fn vehicles_that_share_a_gap_hold_until_others_have_passed_and_fly_no_further() 
     }
 }
 
-/// By hand 2.3884, 2.534, 2.4405 and 0.2400. Each of the ways alone has a place for a hold near its start only, or leaves a
-/// zone no more than its limit where it is flown in two parts.
+/// By hand 2.3884, 2.534, 2.4405 and 0.2400. They have to hold within some 30 m of their starts, or to keep further from a
+/// zone once their path is encoded in two parts.
 #[test]
 fn copters_hold_soon_after_their_starts_where_others_come_the_same_way() {
     let names = [
