@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
-use crate::plan::{FleetPlan, Progress};
+use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::{MissionSpec, Stop};
 use crate::tasks::{FleetTasks, FreeOrder, free_orders, in_order, orders_in_time};
 use crate::verify::{Limit, Margin, Repair, Review, Reviewer};
@@ -29,6 +29,7 @@ use crate::world::World;
 use assignment::{violated, with_tasks};
 use reasons::Unexplained;
 use rounds::{dispatch_closely, dispatch_in_rounds, mended_in_rounds};
+use tighten::Strictness;
 use together::planned_together;
 
 pub use anytime::{Improved, Improving};
@@ -210,7 +211,8 @@ fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
     let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
     let is_possible = !is_crowd && count <= crowd::MAX && !job.run.is_cancelled();
-    let is_dear = || job.run.is_nested && crowd::pays_much(&one_by_one);
+    let is_dear =
+        || job.run.is_nested && crowd::pays_much(&one_by_one) && pays_for_others(job, &one_by_one);
     if !is_possible || !(are_too_near || is_dear()) {
         return one_by_one;
     }
@@ -317,6 +319,18 @@ fn with_nested_budgets(job: Job<'_>) -> Dispatched {
 /// Whether a plan costs more than this many times the bounds of its vehicles together.
 fn pays(found: &Dispatched, times: f64) -> bool {
     found.plan.cost() > times * found.plan.bound()
+}
+
+/// Whether vehicles cost more than each would alone, by so much that another plan may be worth its
+/// time: the bounds alone do not say it where they are loose.
+fn pays_for_others(job: Job<'_>, found: &Dispatched) -> bool {
+    let request = Request {
+        margins: Strictness::first(job.spec).margins,
+        cancel: job.run.cancel,
+        ..Request::new(job.run.seed)
+    };
+    let paid = plan::paid_for_others(&found.plan, (job.spec, job.world), &request);
+    paid > (NEAR_BOUND - 1.0) * found.plan.cost()
 }
 
 /// Encodes the missions of the plan of a round and judges them. Those of paths that are as they

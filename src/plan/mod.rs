@@ -23,6 +23,7 @@ pub use crate::plan::diagnosis::violations::{Violation, violations};
 pub use bound::{CertifyBudget, RouteBound, RouteCertificate};
 pub use fleet::columns::ColumnConflict;
 pub(crate) use fleet::holds::AloneWithHolds;
+pub(crate) use fleet::paid_for_others;
 pub use fleet::pairs::{min_lengths_m, route_bounds, route_costs};
 pub(crate) use fleet::rests::rests_of;
 pub use fleet::shapes::{Shape, Shaper};

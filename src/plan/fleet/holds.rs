@@ -10,7 +10,7 @@ use rand::seq::SliceRandom;
 use rayon::prelude::*;
 
 use super::vehicle::path_basis;
-use super::{Planning, Request, flight_of};
+use super::{Planning, Request, flight_of, paid_for_others};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
 use crate::geodesy::PlanPoint;
 use crate::numeric::approach::Segment;
@@ -120,6 +120,19 @@ impl<'a> AloneWithHolds<'a> {
             margins,
             ..Request::new(plan.seed)
         };
+        let mut fleet = spec.vehicles.iter();
+        let is_open = spec.separation.vertical_m.is_some()
+            || fleet.any(|vehicle| vehicle.retiming.is_allowed());
+        let dear = if is_open { DEAR_WITH_FREEDOMS } else { DEAR };
+        // Half of it: with few evaluations the ways alone may be a little dearer.
+        let worth = 0.5 * (dear - 1.0) * plan.cost();
+        let pays = || {
+            plan.cost() >= dear * plan.bound()
+                && paid_for_others(plan, (spec, world), &request) >= worth
+        };
+        if !fails && !pays() {
+            return None;
+        }
         let planning = Planning::new(spec, world, &request);
         let known = plan.vehicles.par_iter().enumerate();
         let alone: Vec<VehiclePlan> = known
@@ -127,10 +140,6 @@ impl<'a> AloneWithHolds<'a> {
             .collect();
         let cost: f64 = alone.iter().map(|plan| plan.terms.total()).sum();
         let are_clean = alone.iter().all(|plan| plan.terms.is_clean());
-        let mut fleet = spec.vehicles.iter();
-        let is_open = spec.separation.vertical_m.is_some()
-            || fleet.any(|vehicle| vehicle.retiming.is_allowed());
-        let dear = if is_open { DEAR_WITH_FREEDOMS } else { DEAR };
         if !are_clean || !fails && plan.cost() < dear * cost {
             return None;
         }

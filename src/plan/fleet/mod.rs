@@ -57,6 +57,9 @@ use repair::repaired;
 /// Most vehicles of a fleet that is planned again in priority order.
 const MAX_IN_ORDER: usize = 100;
 
+/// Evaluations of a search for what a vehicle would cost alone.
+const ALONE: usize = 4000;
+
 /// What to plan besides the spec.
 pub struct Request<'a> {
     /// The seed every random stream comes from.
@@ -239,6 +242,37 @@ pub fn plan_each_alone(spec: &MissionSpec, world: &World, request: &Request<'_>)
             })
             .collect(),
     })
+}
+
+/// What the vehicles of a plan that fly around others cost more than each would cost alone, by a
+/// search of a few evaluations; than its bound, where that finds no path.
+#[must_use]
+pub(crate) fn paid_for_others(
+    plan: &FleetPlan,
+    (spec, world): (&MissionSpec, &World),
+    request: &Request<'_>,
+) -> f64 {
+    let planning = Planning::new(spec, world, request);
+    let paid = |(index, plan): (usize, &VehiclePlan)| {
+        if !plan.is_detour {
+            return 0.0;
+        }
+        let own = planning.of(index);
+        let mut spec = own.spec.clone();
+        spec.planner.evaluations = spec.planner.evaluations.min(ALONE);
+        let own = Planning { spec: &spec, ..own };
+        let alone = own.plan_alone(index, 0.0).terms;
+        let least = if alone.is_clean() {
+            alone.total()
+        } else {
+            plan.bound
+        };
+        (plan.terms.total() - least).max(0.0)
+    };
+    let fleet = plan.vehicles.par_iter().enumerate();
+    // In their order: a sum of floats depends on it.
+    let paid: Vec<f64> = fleet.map(paid).collect();
+    paid.into_iter().sum()
 }
 
 /// Plans the vehicles at the indices `again` anew, and those that `previous` has no plan
