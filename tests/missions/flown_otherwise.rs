@@ -54,7 +54,7 @@ fn who_waits_longer_on_the_ground_than_it_stays_armed_does_not_take_off() {
     }
 }
 
-/// ArduCopter 4.7.0-beta1 obeyed the change of speed behind the jump as its last lap began.
+/// ArduCopter 4.7.0-beta1 obeyed the change of speed behind the jump as its last repetition began.
 #[test]
 fn a_command_behind_a_counted_jump_with_another_before_it_comes_a_lap_early() {
     let loops = |before: Option<Row>, between: Option<Row>| {
@@ -71,7 +71,7 @@ fn a_command_behind_a_counted_jump_with_another_before_it_comes_a_lap_early() {
     fails(
         &loops(picture(), None),
         &COPTER,
-        "obeys item 6 one lap early",
+        "obeys item 6 one repetition early",
     );
     passes(&loops(None, None), &COPTER);
     passes(

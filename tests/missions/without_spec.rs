@@ -272,7 +272,7 @@ fn an_altitude_of_zero_and_a_place_of_zeros_are_those_before() {
 
 #[test]
 fn a_mission_that_repeats_for_ever_is_judged_with_one_lap_and_what_follows_is_never_flown() {
-    let lap = || {
+    let repeating = || {
         vec![
             takeoff(),
             waypoint(46.001, 8.0, 50.0),
@@ -281,9 +281,9 @@ fn a_mission_that_repeats_for_ever_is_judged_with_one_lap_and_what_follows_is_ne
             command(177, [2.0, -1.0, 0.0, 0.0]),
         ]
     };
-    let (code, out, errors) = review(HOME, &lap(), &COPTER);
+    let (code, out, errors) = review(HOME, &repeating(), &COPTER);
     assert_eq!(code, Some(0), "{out}{errors}");
-    let mut more = lap();
+    let mut more = repeating();
     more.push(land(46.0, 8.0));
     let (code, out, _) = review(HOME, &more, &COPTER);
     assert_eq!(code, Some(4), "{out}");
@@ -293,14 +293,14 @@ fn a_mission_that_repeats_for_ever_is_judged_with_one_lap_and_what_follows_is_ne
     );
     // The leg from the last item back to the second is flown too.
     for (lat, lon, passes) in [(46.002, 8.001, false), (46.002, 8.0, true)] {
-        let mut fenced = lap();
+        let mut fenced = repeating();
         fenced.push(Row(5004, 3, [5.0, 0.0, 0.0, 0.0], lat, lon, 0.0));
         let (code, out, _) = review(HOME, &fenced, &COPTER);
         assert_eq!(code == Some(0), passes, "{lat} {lon}: {out}");
     }
 }
 
-/// A vehicle that hovers within the lap of another is in its way at some time.
+/// A vehicle that hovers within the repeated part of another mission is in its way at some time.
 #[test]
 fn a_lap_without_end_keeps_others_away_for_ever() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -309,16 +309,16 @@ fn a_lap_without_end_keeps_others_away_for_ever() {
             "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t{lat}\t{lon}\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n"
         )
     };
-    let lap = head(46.0, 8.0)
+    let repeating = head(46.0, 8.0)
         + "2\t0\t3\t16\t0\t0\t0\t0\t46.0\t8.001\t50\t1\n3\t0\t3\t16\t0\t0\t0\t0\t46.002\t8.001\t50\t1\n4\t0\t3\t16\t0\t0\t0\t0\t46.002\t8.003\t50\t1\n5\t0\t3\t177\t2\t-1\t0\t0\t0\t0\t0\t1\n";
     let hover = |lat, lon| {
         head(lat, lon)
             + "2\t0\t3\t93\t4000\t0\t0\t0\t0\t0\t0\t1\n3\t0\t3\t21\t0\t0\t0\t0\t0\t0\t0\t1\n"
     };
-    fs::write(folder.path().join("lap.waypoints"), lap).expect("written");
+    fs::write(folder.path().join("repeating.waypoints"), repeating).expect("written");
     let flags = [
         "review",
-        "lap.waypoints",
+        "repeating.waypoints",
         "other.waypoints",
         "--no-terrain",
         "--airframe",

@@ -42,7 +42,7 @@ pub(crate) struct Orders {
     pub(crate) steps: Vec<Step>,
     /// From where on they cannot be read.
     pub(crate) unread: Option<Unknown>,
-    /// The row of the DO_JUMP that repeats the mission for ever, and the first step of the lap.
+    /// The row of the DO_JUMP that repeats the mission for ever, and the first step of the repetition.
     pub(crate) repeats: Option<(usize, usize)>,
 }
 
@@ -72,7 +72,7 @@ impl Orders {
 }
 
 /// The orders of a mission in sequence, with its jumps executed, up to the first item that
-/// cannot be read; of what repeats for ever one lap more.
+/// cannot be read; of what repeats for ever one repetition more.
 pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> Orders {
     let mut orders = Orders::default();
     orders.unread = read(mission, home, &mut orders);

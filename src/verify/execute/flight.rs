@@ -174,7 +174,7 @@ pub(crate) struct Flight {
     pub(crate) unknown: Option<Unknown>,
     /// The item after which none is flown, if others follow it.
     pub(crate) last: Option<Last>,
-    /// Index of the segment that stands for all laps of a mission that repeats for ever: the
+    /// Index of the segment that stands for all repetitions of a mission that repeats for ever: the
     /// vehicle is anywhere around it. For the separation alone.
     pub(crate) repetition: Option<usize>,
     /// Whether it begins in the air in its landing descent or in a drop: no route may be left of it.

@@ -23,7 +23,7 @@ pub(crate) enum Next {
     Item(usize),
     /// At this one, for ever again.
     Again(usize),
-    /// As in the lap before.
+    /// As in the repetition before.
     Repeats,
 }
 
@@ -50,7 +50,7 @@ fn target(item: &Item, mission: &VehicleMission) -> Result<usize, String> {
     to.ok_or_else(|| format!("a jump to the JUMP_TAG {target}, which there is not"))
 }
 
-/// The row of the command behind a counted jump that ArduPilot obeys as its last lap begins, if there is one: with the
+/// The row of the command behind a counted jump that ArduPilot obeys as its last repetition begins, if there is one: with the
 /// command before the jump done, it looks for the next one, finds the jump made, and goes on behind it
 /// (`AP_Mission::advance_current_do_cmd`).
 fn obeyed_early(mission: &VehicleMission, jump: usize) -> Option<usize> {
@@ -104,7 +104,7 @@ pub(crate) fn jump(
             let left = left.ok_or_else(|| format!("a jump (DO_JUMP) made {times} times"))?;
             if let Some(row) = obeyed_early(mission, index).filter(|_| left > 0) {
                 return Err(format!(
-                    "ArduPilot obeys item {row} one lap early, as a command without a place stands before this jump, too: put a waypoint between"
+                    "ArduPilot obeys item {row} one repetition early, as a command without a place stands before this jump, too: put a waypoint between"
                 ));
             }
             left

@@ -107,7 +107,7 @@ impl MissionCheck<'_> {
                     format!("cannot judge from item {} on: {}", unknown.row, unknown.why)
                 }
                 None if self.flight.end == Some(End::Repeats) => {
-                    "the mission repeats for ever: judged with one lap more".to_owned()
+                    "the mission repeats for ever: judged with one repetition more".to_owned()
                 }
                 None => String::new(),
             },

@@ -255,7 +255,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.flight.end == Some(End::Repeats),
-        "a mission that repeats for ever (DO_JUMP -1) is judged with one lap more; from then on the vehicle may be anywhere around that lap, for the separation; how long it lasts is not judged",
+        "a mission that repeats for ever (DO_JUMP -1) is judged with one repetition more; from then on the vehicle may be anywhere along that repetition, for the separation; how long it lasts is not judged",
     ),
     (
         |s| matches!(s.flight.end, Some(End::Stays(_))) && s.flight.circle.is_none(),
