@@ -84,6 +84,7 @@ impl<'a> Improving<'a> {
             seed: self.seed,
             watch: &|_| (),
             cancel: Some(self.cancel),
+            known: None,
             earlier,
             is_nested: false,
         };

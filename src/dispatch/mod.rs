@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
-use crate::plan::{self, FleetPlan, Progress, Request};
+use crate::plan::{self, FleetPlan, KnownSearches, Progress, Request};
 use crate::spec::{MissionSpec, Stop};
 use crate::tasks::{FleetTasks, FreeOrder, free_orders, in_order, orders_in_time};
 use crate::verify::{Limit, Margin, Repair, Review, Reviewer};
@@ -85,6 +85,8 @@ struct Run<'a> {
     watch: &'a (dyn Fn(Stage) + Sync),
     /// Once it is set, the dispatch ends at once, and its result is of no use.
     cancel: Option<&'a AtomicBool>,
+    /// What searches have found for a small fleet.
+    known: Option<&'a KnownSearches>,
     /// An earlier plan to begin with.
     earlier: Option<&'a FleetPlan>,
     /// Whether round budgets below that of the spec are tried as well.
@@ -121,6 +123,7 @@ pub fn dispatch(
         seed,
         watch,
         cancel: None,
+        known: None,
         earlier: None,
         is_nested: true,
     };
@@ -128,6 +131,12 @@ pub fn dispatch(
 }
 
 fn dispatch_as(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
+    let known = KnownSearches::default();
+    let is_small = spec.vehicles.len() <= crowd::MAX_ONE_BY_ONE;
+    let run = Run {
+        known: is_small.then_some(&known),
+        ..run
+    };
     let mut done = with_free_orders(spec, world, run);
     done.explain(spec, run, dispatch_in_rounds);
     done
@@ -327,6 +336,7 @@ fn pays_for_others(job: Job<'_>, found: &Dispatched) -> bool {
     let request = Request {
         margins: Strictness::first(job.spec).margins,
         cancel: job.run.cancel,
+        known: job.run.known,
         ..Request::new(job.run.seed)
     };
     let paid = plan::paid_for_others(&found.plan, (job.spec, job.world), &request);

@@ -112,6 +112,7 @@ fn planned_again(
     let request = Request {
         seed: run.seed,
         cancel: run.cancel,
+        known: run.known,
         margins: strictness.margins.clone(),
         extra_parameters: strictness.parameters.clone(),
         progress: &progress,

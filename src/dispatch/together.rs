@@ -17,6 +17,7 @@ pub(super) fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     let request = Request {
         seed: run.seed,
         cancel: run.cancel,
+        known: run.known,
         margins: Strictness::first(spec).margins,
         extra_parameters: Vec::new(),
         progress: &progress,

@@ -12,6 +12,7 @@ mod bound;
 mod classes;
 mod diagnosis;
 mod fleet;
+mod memo;
 mod route_context;
 mod search;
 mod search_options;
@@ -31,6 +32,7 @@ pub use fleet::{
     Progress, Request, certify, plan_each_alone, plan_fleet, plan_fleet_with, plan_from,
     plan_one_at_a_time, replan, replan_from, replan_in_place,
 };
+pub use search::KnownSearches;
 pub use search::objective::{objective, objective_specs};
 pub use search_options::SearchOptions;
 

@@ -4,7 +4,7 @@ use super::super::tighten::Strictness;
 use super::super::{Dispatched, Job, judged};
 use super::may_have_stops;
 use crate::cost::Margins;
-use crate::plan::AloneWithHolds;
+use crate::plan::{AloneWithHolds, Request};
 use crate::spec::MissionSpec;
 use crate::verify::{Limit, Reviewer};
 use crate::world::World;
@@ -39,8 +39,12 @@ fn with_holds(
     let mut margins = strictness.margins.clone();
     stricter(&mut margins, job, found);
     let alone = |margins: &[Margins]| {
-        let of = (job.spec, job.world);
-        AloneWithHolds::new(of, (&found.plan, fails), margins.to_vec())
+        let request = Request {
+            margins: margins.to_vec(),
+            known: job.run.known,
+            ..Request::new(found.plan.seed)
+        };
+        AloneWithHolds::new((job.spec, job.world), (&found.plan, fails), &request)
     };
     let mut fleet = alone(&margins)?;
     let mut reviewer = Reviewer::new(job.judged.0, job.judged.1);

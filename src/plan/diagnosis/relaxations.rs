@@ -53,11 +53,8 @@ pub(crate) fn relaxations(
         let mut all = vec![Margins::default(); index + 1];
         all[index] = margins;
         let request = Request {
-            cancel: None,
-            seed,
             margins: all,
-            extra_parameters: Vec::new(),
-            progress: &|_| (),
+            ..Request::new(seed)
         };
         let plan = Planning::new(spec, world, &request).plan_alone(index, 0.0);
         plan.terms.is_clean()

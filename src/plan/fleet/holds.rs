@@ -114,12 +114,8 @@ impl<'a> AloneWithHolds<'a> {
     pub(crate) fn new(
         (spec, world): (&'a MissionSpec, &'a World),
         (plan, fails): (&FleetPlan, bool),
-        margins: Vec<Margins>,
+        request: &Request<'_>,
     ) -> Option<Self> {
-        let request = Request {
-            margins,
-            ..Request::new(plan.seed)
-        };
         let mut fleet = spec.vehicles.iter();
         let is_open = spec.separation.vertical_m.is_some()
             || fleet.any(|vehicle| vehicle.retiming.is_allowed());
@@ -128,12 +124,12 @@ impl<'a> AloneWithHolds<'a> {
         let worth = 0.5 * (dear - 1.0) * plan.cost();
         let pays = || {
             plan.cost() >= dear * plan.bound()
-                && paid_for_others(plan, (spec, world), &request) >= worth
+                && paid_for_others(plan, (spec, world), request) >= worth
         };
         if !fails && !pays() {
             return None;
         }
-        let planning = Planning::new(spec, world, &request);
+        let planning = Planning::new(spec, world, request);
         let known = plan.vehicles.par_iter().enumerate();
         let alone: Vec<VehiclePlan> = known
             .map(|(index, plan)| planning.plan_alone(index, plan.estimate))

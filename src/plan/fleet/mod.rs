@@ -43,7 +43,7 @@ use rayon::prelude::*;
 
 use super::bound::{self, CertifyBudget, RouteBound, proven};
 use super::route_context::RouteContext;
-use super::search::KnownClasses;
+use super::search::{KnownClasses, KnownSearches};
 use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::{EarlierFlights, Margins, RouteEnds};
@@ -73,6 +73,8 @@ pub struct Request<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
     /// Once it is set, searches end at once, and the plans are of no use.
     pub cancel: Option<&'a AtomicBool>,
+    /// What other plans of the same fleet have found, so that it is not searched again.
+    pub known: Option<&'a KnownSearches>,
 }
 
 impl Request<'_> {
@@ -85,6 +87,7 @@ impl Request<'_> {
             extra_parameters: Vec::new(),
             progress: &|_| (),
             cancel: None,
+            known: None,
         }
     }
 

@@ -50,6 +50,7 @@ pub fn route_costs(
         );
         let run = Run {
             classes: None,
+            known: None,
             budget,
             seed: Seed(seed),
             stream: 0,

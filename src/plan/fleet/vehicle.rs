@@ -81,6 +81,7 @@ impl<'a> Planning<'a> {
                 seed: Seed(request.seed),
                 stream: stream(index, number),
                 classes: self.classes.map(|known| (known, number)),
+                known: request.known,
                 watch: &watch,
             };
             let (found, estimate) = rayon::join(

@@ -24,6 +24,7 @@ use self::judgement::{along, found_among};
 use self::published::published;
 use self::swarms::swarms;
 use super::classes::routes::{HomotopyClasses, homotopy_classes};
+use super::memo::Memo;
 use super::route_context::RouteContext;
 use super::spline::Spline;
 use crate::cost::CostTerms;
@@ -57,6 +58,10 @@ impl KnownClasses {
     }
 }
 
+/// Searches that were made for one fleet, so that none is made twice.
+#[derive(Default)]
+pub struct KnownSearches(Memo<Found>);
+
 /// The means of one search.
 #[derive(Clone, Copy)]
 pub(super) struct Run<'a> {
@@ -67,6 +72,8 @@ pub(super) struct Run<'a> {
     pub stream: u64,
     /// Classes that other plans of the vehicle share, and the number of the route.
     pub classes: Option<(&'a KnownClasses, usize)>,
+    /// What other plans of the fleet have found.
+    pub known: Option<&'a KnownSearches>,
     pub watch: &'a (dyn Fn(TracePoint) + Sync),
 }
 
@@ -97,6 +104,16 @@ pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
     if context.is_cancelled() {
         return found_among(context, Vec::new(), 0);
     }
+    match run.known {
+        Some(KnownSearches(memo)) => {
+            let of = (run.budget, run.seed, run.stream);
+            memo.of(context, of, || searched(context, run))
+        }
+        None => searched(context, run),
+    }
+}
+
+fn searched(context: &RouteContext<'_>, run: Run<'_>) -> Found {
     let first = search_classes(context, run);
     let (found, is_drawn) = corridor::or_through_corridors(context, run, first);
     let found = polished(context, found);

@@ -139,10 +139,6 @@ fn planned(setting: &Setting, budget: usize, seed: u64) -> Vec<Found> {
         &spec,
         &setting.world,
         &Request {
-            cancel: None,
-            seed,
-            margins: Vec::new(),
-            extra_parameters: Vec::new(),
             progress: &|at| {
                 if let Ok(mut traces) = traces.lock()
                     && let Some(trace) = traces.get_mut(at.vehicle)
@@ -153,6 +149,7 @@ fn planned(setting: &Setting, budget: usize, seed: u64) -> Vec<Found> {
                     });
                 }
             },
+            ..Request::new(seed)
         },
     );
     let traces = traces.into_inner().unwrap_or_default();

@@ -212,11 +212,8 @@ fn what_is_chosen_is_the_same_however_many_are_planned_at_once() {
         ..Margins::default()
     };
     let request = Request {
-        cancel: None,
-        seed: 1,
         margins: vec![margins; spec.vehicles.len()],
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
+        ..Request::new(1)
     };
     let one = plan::plan_one_at_a_time(&spec, &world, &request);
     let many = plan::plan_fleet(&spec, &world, &request);

@@ -127,11 +127,8 @@ impl JointPlan<'_> {
                 own.speed_mps = cruise_mps;
             }
             let request = Request {
-                cancel: None,
-                seed: self.plan.seed,
                 margins: vec![margins; self.spec.vehicles.len()],
-                extra_parameters: Vec::new(),
-                progress: &|_| {},
+                ..Request::new(self.plan.seed)
             };
             let first = self.plan.vehicles.len();
             let found = replan_from(&self.plan, first, &self.spec, &self.world, &request);
