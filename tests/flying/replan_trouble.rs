@@ -42,7 +42,7 @@ fn worst_s(told: &str, what: &str) -> f64 {
 
 #[test]
 fn who_is_inside_of_a_threat_is_named_each_time_and_the_others_are_led_around_theirs() {
-    let (folder, runs, mut flight) = aloft(&lanes("-84.238"), "6", ("alpha", 35.0));
+    let (folder, runs, mut flight) = aloft(&lanes("-84.238"), "3", ("alpha", 35.0));
     // All around alpha.
     let (output, told, errors) = replan(folder.path(), "36.300,-84.250,1050");
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
@@ -182,7 +182,7 @@ fn who_has_no_way_around_a_threat_keeps_its_course_and_nobody_else_from_a_new_on
     let wall = "no_fly: [{id: wall, polygon: [[36.3045, -84.299], [36.3055, -84.299], [36.3055, -84.201], [36.3045, -84.201]]}]";
     let far = lanes("-84.215");
     let far = far.replace("vehicles:", &format!("{wall}\nvehicles:"));
-    let (folder, _, _flight) = aloft(&far, "4", ("alpha", 25.0));
+    let (folder, _, _flight) = aloft(&far, "2", ("alpha", 25.0));
     let (output, told, errors) = replan(folder.path(), "36.2925,-84.235,1450");
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
     let who = "alpha cannot avoid popup-1 (no new path for it passes verification";
@@ -273,7 +273,7 @@ fn who_flies_there_and_back_goes_on_there_on_its_new_path() {
 #[test]
 fn who_holds_is_not_said_to_be_on_a_new_path() {
     const BRAKE: f32 = 17.0;
-    let (folder, runs, _flight) = aloft(&lanes("-84.238"), "4", ("alpha", 30.0));
+    let (folder, runs, _flight) = aloft(&lanes("-84.238"), "2", ("alpha", 30.0));
     order(&runs, "alpha", 1, BRAKE);
     wait_for(&runs, "alpha", 45.0);
     // Both meet it.
