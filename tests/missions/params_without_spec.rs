@@ -390,6 +390,31 @@ fn parameters_are_found_next_to_a_mission_by_the_names_that_ground_stations_give
     }
 }
 
+/// The second file was ignored, whatever it held.
+#[test]
+fn parameters_that_stand_twice_next_to_a_mission_must_be_the_same() {
+    let flags = ["--no-terrain", "--airframe", "copter", "--max-amsl", "600"];
+    for (second, code) in [
+        ("RTL_ALT 8000.0\n", 0),
+        ("RTL_ALT,30000\n", 3),
+        ("\u{1}", 3),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("m.waypoints"), RETURN).expect("written");
+        fs::write(folder.path().join("m.params"), "RTL_ALT,8000\n").expect("written");
+        fs::write(folder.path().join("m.param"), second).expect("written");
+        let arguments = [&["review", "m.waypoints"][..], &flags].concat();
+        let output = sortie(folder.path(), &arguments);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{second:?}: {said}");
+        assert_eq!(
+            said.contains("m.param have") || said.contains("m.param:"),
+            code == 3,
+            "{second:?}: {said}"
+        );
+    }
+}
+
 #[test]
 fn a_wing_that_its_parameters_lead_elsewhere_is_not_judged() {
     let plane = ["--airframe", "plane", "--takeoff-heading", "0"];

@@ -2,12 +2,13 @@
 
 pub(super) mod claim;
 pub(super) mod missions;
+pub(super) mod params;
 pub(super) mod replace;
 pub(super) mod runs;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -16,12 +17,13 @@ use super::print::failure::Failure;
 use crate::dispatch::Dispatched;
 use crate::formats::{self, Document};
 use crate::library::mission_files;
-use crate::mission::{Parameter, VehicleMission};
-use crate::numeric::text::{open_regular, read_regular};
+use crate::mission::VehicleMission;
+use crate::numeric::text::open_regular;
 use crate::path::TimedPoint;
 use crate::report::{self, PlanDocument, ReviewInput, TimingDocument};
 use crate::spec::{SpecFile, TerrainSource};
 use crate::world::{self, World};
+use params::read_params;
 use replace::NewFolder;
 
 /// SHA-256 of a text, in hexadecimal.
@@ -206,32 +208,6 @@ pub(super) fn read_document(path: &Path) -> Result<Document, Failure> {
     }
     let (_, document) = formats::read(&bytes).map_err(|error| bad(error.to_string()))?;
     Ok(document)
-}
-
-/// Extensions of parameter files: Sortie's and QGroundControl's, Mission Planner's, MAVProxy's.
-const PARAMS: [&str; 3] = ["params", "param", "parm"];
-
-/// The file with the parameters of a vehicle next to its mission file: by the id of the vehicle, or
-/// by the name of the mission.
-pub(super) fn params_path(path: &Path, id: &str) -> Option<PathBuf> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let named = |stem: &str| PARAMS.map(|end| path.with_file_name(format!("{stem}.{end}")));
-    let mut found = named(id).into_iter().chain(named(&stem));
-    found.find(|params| params.symlink_metadata().is_ok())
-}
-
-/// The parameters of a vehicle that stand next to its mission file, so that every command judges a
-/// mission with the same ones; none without such a file.
-pub(super) fn read_params(path: &Path, id: &str) -> Result<Vec<Parameter>, Failure> {
-    let Some(params) = params_path(path, id) else {
-        return Ok(Vec::new());
-    };
-    let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", params.display()));
-    match read_regular(&params) {
-        Ok(text) => formats::params::read(&text).map_err(|error| bad(error.to_string())),
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
-        Err(error) => Err(bad(error.to_string())),
-    }
 }
 
 /// The mission of one vehicle in a file of any kind, with the parameters next to it.

@@ -173,7 +173,7 @@ fn missions(
             .map_err(|error| {
                 Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
             })?;
-        mission.params = folder::read_params(path, &vehicle_of.id)?;
+        mission.params = folder::params::read_params(path, &vehicle_of.id)?;
         report_repairs(path, &mission.notes);
         missions.push((*vehicle, mission));
     }
@@ -378,7 +378,7 @@ fn named(arguments: &[String]) -> Result<Vec<(&str, PathBuf)>, Failure> {
 /// Prints what the format of a file cannot hold.
 fn report_losses(id: &str, path: &Path, document: &Document) {
     if folder::is_waypoints(path) && !document.is_fence_known && document.rally.is_empty() {
-        let lost = match folder::params_path(path, id) {
+        let lost = match folder::params::params_path(path, id) {
             None => formats::known_losses(Format::Waypoints),
             Some(_) => "a .waypoints file holds no fence and no rally points: they are not judged",
         };
