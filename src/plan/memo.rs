@@ -1,21 +1,18 @@
-//! Results of searches that were made before, by all that they read: a fleet is planned again and again with little
-//! changed, as with fewer freedoms, and many of its searches are the same.
+//! Results of searches that were made before, by all that they read: a small fleet is planned again and again with
+//! little changed, as with fewer freedoms, and many of its searches are the same.
 
 use std::sync::{Arc, Mutex};
 
-use super::route_context::RouteContext;
-use super::search_options::SearchOptions;
 use geo::Polygon;
 
+use super::route_context::RouteContext;
+use super::search_options::SearchOptions;
 use crate::cost::{Margins, RouteEnds};
 use crate::geodesy::{Agl, Amsl};
 use crate::numeric::Seed;
 use crate::path::Flight;
 use crate::spec::{MissionSpec, Retiming, Separation};
 use crate::world::{Disc, Ground, Layer, PlanZone, VehicleSites};
-
-/// Most others that a vehicle is planned around in what is remembered: more of them take much space.
-const MAX_OTHERS: usize = 13;
 
 /// Results by what they were made from.
 pub(super) struct Memo<T>(Mutex<Vec<(Read, T)>>);
@@ -35,9 +32,7 @@ impl<T: Clone> Memo<T> {
         run: (usize, Seed, u64),
         make: impl FnOnce() -> T,
     ) -> T {
-        let Some(read) = Read::of(context, run) else {
-            return make();
-        };
+        let read = Read::of(context, run);
         let known = |all: &Vec<(Read, T)>| {
             let mut all = all.iter();
             all.find(|(known, _)| *known == read)
@@ -85,25 +80,20 @@ struct Around {
 }
 
 impl Read {
-    /// None where that would take much space.
-    fn of(context: &RouteContext<'_>, run: (usize, Seed, u64)) -> Option<Self> {
-        let earlier = context.earlier;
-        if earlier.len() > MAX_OTHERS {
-            return None;
-        }
+    fn of(context: &RouteContext<'_>, run: (usize, Seed, u64)) -> Self {
         let mut vehicle = context.vehicle().clone();
         // When it departs is in the ends.
         (vehicle.retiming, vehicle.depart_s) = (Retiming::default(), 0.0);
         let mut spec = context.spec.clone();
         spec.vehicles = vec![vehicle];
         let (mut ends, mut margins) = (context.ends, context.margins);
-        if earlier.is_empty() {
+        if context.earlier.is_empty() {
             // Nobody is there to be too near to, at any time.
             ends.start_s = 0.0;
             (margins.separation_m, margins.shift_s) = (0.0, 0.0);
             spec.separation = Separation::default();
         }
-        Some(Self {
+        Self {
             run,
             ends,
             margins,
@@ -111,9 +101,9 @@ impl Read {
             options: context.options,
             at_edges: context.at_edges,
             spec,
-            earlier: earlier.to_vec(),
+            earlier: context.earlier.to_vec(),
             around: Around::of(context),
-        })
+        }
     }
 }
 

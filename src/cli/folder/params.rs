@@ -34,7 +34,7 @@ pub(in crate::cli) fn read_params(path: &Path, id: &str) -> Result<Vec<Parameter
             .map(|of| (of.name.clone(), of.value.to_bits()))
             .collect()
     };
-    // Which of them the vehicle gets nobody knows.
+    // Nobody knows which of them the vehicle has.
     for other in PARAMS.map(|end| params.with_extension(end)) {
         let stands = other != params && other.symlink_metadata().is_ok();
         if stands && values(&read_params_file(&other)?) != values(&found) {

@@ -120,7 +120,7 @@ impl<'a> AloneWithHolds<'a> {
         let is_open = spec.separation.vertical_m.is_some()
             || fleet.any(|vehicle| vehicle.retiming.is_allowed());
         let dear = if is_open { DEAR_WITH_FREEDOMS } else { DEAR };
-        // Half of it: with few evaluations the ways alone may be a little dearer, too much for what counts with freedoms.
+        // Half of it, as few evaluations may find ways alone that are a little dearer; with freedoms even less counts.
         let worth = 0.5 * (dear - 1.0) * plan.cost();
         let pays = || {
             plan.cost() >= dear * plan.bound()
